@@ -125,6 +125,16 @@ impl Axis {
         distance(self.from, radii[0]).max(distance(self.to, radii[1]))
     }
 
+    /// Returns the depth of a point below the plane of the nearer end: above 0 between the two, and 0
+    /// on one of them, exactly so if it is the end itself.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        let (above, below) = (
+            (point - self.from).dot(self.w),
+            (self.to - point).dot(self.w),
+        );
+        above.min(below)
+    }
+
     /// Returns the height of a point above `from` and its distance from the axis.
     pub(crate) fn place_of(&self, point: DVec3) -> (f64, f64) {
         let q = point - self.from;

@@ -194,14 +194,25 @@ impl Capsule {
         distance(self.from()).max(distance(self.to()))
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        let (height, away) = self.axis.place_of(eye);
+    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        let (height, away) = self.axis.place_of(point);
         let is_beside = (0.0..=1.0).contains(&(height / self.axis.length()));
-        let is_inside = (is_beside && away < self.radius)
-            || (eye - self.from()).length() < self.radius
-            || (eye - self.to()).length() < self.radius;
+        let ends = [self.from(), self.to()].map(|end| (point - end).length());
+        let nearest = ends[0].min(ends[1]);
+        self.radius
+            - if is_beside {
+                nearest.min(away)
+            } else {
+                nearest
+            }
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
         match self.extent() {
-            Extent::Ball(center, radius) if is_inside => Standing::Inside(center, radius),
+            Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
+                Standing::Inside(center, radius)
+            }
             _ => Standing::Free,
         }
     }

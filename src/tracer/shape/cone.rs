@@ -255,12 +255,16 @@ impl Cone {
             .farthest_from(point, [self.radius, self.top_radius])
     }
 
+    /// Returns a depth below the surface, as if capped: above 0 inside, 0 on it and below 0 outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        let (height, away) = self.axis.place_of(point);
+        let radius = self.radius + self.slope * height;
+        self.axis.depth(point).min(radius - away)
+    }
+
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        let (height, away) = self.axis.place_of(eye);
-        let is_between = (0.0..=1.0).contains(&(height / self.axis.length()));
-        let is_inside = is_between && away < self.radius + self.slope * height;
         match self.extent() {
-            Extent::Ball(center, radius) if self.capped && is_inside => {
+            Extent::Ball(center, radius) if self.capped && self.depth(eye) > 0.0 => {
                 Standing::Inside(center, radius)
             }
             _ => Standing::Free,

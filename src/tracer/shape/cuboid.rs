@@ -162,10 +162,17 @@ impl Cuboid {
         away.length()
     }
 
+    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        let depths = (point - self.min).min(self.max - point);
+        depths.min_element()
+    }
+
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        let is_inside = self.min.cmplt(eye).all() && eye.cmplt(self.max).all();
         match self.extent() {
-            Extent::Ball(center, radius) if is_inside => Standing::Inside(center, radius),
+            Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
+                Standing::Inside(center, radius)
+            }
             _ => Standing::Free,
         }
     }

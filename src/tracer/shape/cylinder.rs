@@ -176,11 +176,15 @@ impl Cylinder {
         self.axis.farthest_from(point, [self.radius; 2])
     }
 
+    /// Returns a depth below the surface, as if capped: above 0 inside, 0 on it and below 0 outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        let (_, away) = self.axis.place_of(point);
+        self.axis.depth(point).min(self.radius - away)
+    }
+
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        let (height, away) = self.axis.place_of(eye);
-        let is_inside = (0.0..=1.0).contains(&(height / self.axis.length())) && away < self.radius;
         match self.extent() {
-            Extent::Ball(center, radius) if self.capped && is_inside => {
+            Extent::Ball(center, radius) if self.capped && self.depth(eye) > 0.0 => {
                 Standing::Inside(center, radius)
             }
             _ => Standing::Free,

@@ -178,10 +178,16 @@ impl Ellipsoid {
         })
     }
 
+    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        1.0 - self.coordinates(point - self.center).length()
+    }
+
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        let is_inside = self.coordinates(eye - self.center).length() < 1.0;
         match self.extent() {
-            Extent::Ball(center, radius) if is_inside => Standing::Inside(center, radius),
+            Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
+                Standing::Inside(center, radius)
+            }
             _ => Standing::Free,
         }
     }

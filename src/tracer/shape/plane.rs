@@ -158,6 +158,12 @@ impl Plane {
         f64::INFINITY
     }
 
+    /// Returns a depth in the half-space that the normal points away from: above 0 inside, 0 on the
+    /// plane and below 0 outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        (self.point - point).dot(self.normal)
+    }
+
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
         if (self.point - eye).dot(self.normal) == 0.0 {
             Standing::EdgeOn("this plane")

@@ -200,9 +200,15 @@ impl Sphere {
         (self.center - point).length() + self.radius
     }
 
+    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
+    #[inline]
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        self.radius - (point - self.center).length()
+    }
+
     #[inline]
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        if (eye - self.center).length() < self.radius {
+        if self.depth(eye) > 0.0 {
             Standing::Inside(self.center, self.radius)
         } else {
             Standing::Free

@@ -18,6 +18,7 @@ use crate::tracer::{
         mesh::{Mesh, MeshGroup},
         plane::Plane,
         rectangle::Rectangle,
+        solid::{Operation, Solid},
         triangle::Triangle,
     },
     vector::unit,
@@ -255,6 +256,25 @@ fn solids_are_met_where_they_should_be() {
             "{solid:?}"
         );
         assert_eq!(solid.standing(DVec3::Y * 4.0), Standing::Free);
+    }
+}
+
+#[test]
+fn a_point_on_the_surface_is_not_inside() {
+    let [from, to] = [DVec3::ZERO, DVec3::new(0.3, 0.7, 0.1)];
+    let cylinder = Shape::from(Cylinder::new(from, to, 0.5, true).unwrap());
+    let cone = Shape::from(Cone::new(from, to, 0.5, 0.2, true).unwrap());
+    let block = Cuboid::new(DVec3::splat(-2.0), DVec3::splat(2.0)).unwrap();
+    for shape in [cylinder, cone] {
+        let union = Solid::new(Operation::Union, [shape.clone()]).unwrap();
+        let cut = Solid::new(Operation::Difference, [block.into(), shape.clone()]).unwrap();
+        for shape in [shape, union.into(), cut.into()] {
+            assert_eq!(shape.standing(from), Standing::Free, "{shape:?}");
+            assert_eq!(shape.standing(to), Standing::Free, "{shape:?}");
+            let is_cut = shape.standing(to * 0.5) == Standing::Free;
+            let beyond = shape.standing(to * 1.001);
+            assert_eq!(matches!(beyond, Standing::Inside(..)), is_cut, "{shape:?}");
+        }
     }
 }
 

@@ -248,9 +248,9 @@ impl Solid {
     }
 
     pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        let is_in = |part: usize| self.parts[part].holds(eye);
+        let is_inside = || self.root.depth(&self.parts, eye) > 0.0;
         match self.extent() {
-            Extent::Ball(center, radius) if radius.is_finite() && self.root.is_in(&is_in) => {
+            Extent::Ball(center, radius) if radius.is_finite() && is_inside() => {
                 Standing::Inside(center, radius)
             }
             Extent::Ball(..) | Extent::Plane(_) => Standing::Free,
@@ -291,6 +291,23 @@ impl Node {
                     Operation::Difference => {
                         operands.next().is_some_and(|is_in| is_in) && !operands.any(|is_in| is_in)
                     }
+                }
+            }
+        }
+    }
+
+    /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside. What
+    /// is cut away is outside at its depth inside, so that its surface is no part of either.
+    fn depth(&self, parts: &[Part], point: DVec3) -> f64 {
+        match self {
+            Self::Part(index) => parts[*index].depth(point),
+            Self::Of(of) => {
+                let mut depths = of.operands.iter().map(|node| node.depth(parts, point));
+                let first = depths.next().unwrap_or(f64::NEG_INFINITY);
+                match of.operation {
+                    Operation::Union => depths.fold(first, f64::max),
+                    Operation::Intersection => depths.fold(first, f64::min),
+                    Operation::Difference => depths.fold(first, |all, cut| all.min(-cut)),
                 }
             }
         }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::tracer::{
     ray::Ray,
     shape::{
-        Shape, Standing,
+        Shape,
         around::Around,
         face::{Crossing, Leaving},
         span::Span,
@@ -102,11 +102,23 @@ impl Part {
         lines
     }
 
-    /// Returns true if a point is inside.
-    pub(super) fn holds(&self, point: DVec3) -> bool {
+    /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside.
+    pub(super) fn depth(&self, point: DVec3) -> f64 {
         match &self.shape {
-            Shape::Plane(plane) => (point - plane.point()).dot(plane.normal()) < 0.0,
-            shape => matches!(shape.standing(point), Standing::Inside(..)),
+            Shape::Plane(plane) => plane.depth(point),
+            Shape::Sphere(sphere) => sphere.depth(point),
+            Shape::Cuboid(cuboid) => cuboid.depth(point),
+            Shape::Cylinder(cylinder) => cylinder.depth(point),
+            Shape::Cone(cone) => cone.depth(point),
+            Shape::Capsule(capsule) => capsule.depth(point),
+            Shape::Ellipsoid(ellipsoid) => ellipsoid.depth(point),
+            Shape::Disc(_)
+            | Shape::Rectangle(_)
+            | Shape::Triangle(_)
+            | Shape::Mesh(_)
+            | Shape::Solid(_)
+            | Shape::Instances(_)
+            | Shape::Placed(_) => f64::NEG_INFINITY,
         }
     }
 }

@@ -135,7 +135,7 @@ fn only_solids_are_put_together() {
 
 /// Returns true if a point is in a solid, by what its parts say of it.
 fn is_in(solid: &Solid, point: DVec3) -> bool {
-    solid.root.is_in(&|part| solid.parts[part].holds(point))
+    solid.root.depth(&solid.parts, point) > 0.0
 }
 
 /// Compares the crossings of a ray with points along it: behind an odd number of crossings from
