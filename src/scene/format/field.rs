@@ -57,7 +57,7 @@ pub(crate) enum Kind {
     Scale,
     /// A point: three finite numbers.
     Point,
-    /// The way from one point to another: three finite numbers.
+    /// The way from one point to another: three finite numbers, not all 0.
     Way,
     /// A direction: three finite numbers with a length.
     Direction,
@@ -191,7 +191,7 @@ fn add_rules(fields: &[Field], schema: &mut Schema) {
     for (name, property) in properties.into_iter().flatten() {
         let field = fields.iter().find(|(field, _)| field == name);
         let rules = match field.map(|(_, kind)| (kind, kind.range())) {
-            Some((Kind::Direction, _)) => json!({"not": {"const": [0, 0, 0]}}),
+            Some((Kind::Direction | Kind::Way, _)) => json!({"not": {"const": [0, 0, 0]}}),
             Some((_, Some(Range::Above(least)))) => json!({"exclusiveMinimum": least}),
             Some((_, Some(Range::Degrees(least, most)))) => {
                 json!({"exclusiveMinimum": least, "exclusiveMaximum": most})
