@@ -19,6 +19,7 @@ use crate::{
             csv::blocks::Blocks,
             layout::{RADIUS, VALUE},
             select::{Known, Selection, coordinates, other_kind},
+            unread,
         },
     },
     text::nearest::{list, nearest, quote},
@@ -216,19 +217,19 @@ impl Row<'_> {
         let defaults = &request.defaults;
         let (expected, found) = (self.header.names.len(), self.record.len());
         if expected != found {
-            let unread = rows.note(Wrong::Length, "", || {
+            rows.note(Wrong::Length, "", || {
                 let (row, line) = (self.row, self.line());
                 Fault::new(format!(
                     "row {row} (line {line}): {found} columns, expected {expected}"
                 ))
             });
-            numbers.resize(self.header.numbers(), unread);
+            numbers.extend((0..self.header.numbers()).map(unread));
             return;
         }
         let Selection { places, is_hex, .. } = self.header.selection;
         let [.., radius, r, g, b, value] = places;
-        for at in places.into_iter().take(RADIUS).flatten() {
-            numbers.push(self.number(at, rows));
+        for (column, at) in places.into_iter().take(RADIUS).enumerate() {
+            numbers.extend(at.map(|at| self.coordinate(column, at, rows)));
         }
         if let Some(at) = radius {
             numbers.push(match (self.text(at), defaults.radius) {
@@ -298,12 +299,24 @@ impl Row<'_> {
         })
     }
 
-    fn number(&self, at: usize, rows: &mut Rows) -> f64 {
-        let text = self.text(at);
-        let number = std::str::from_utf8(text)
-            .ok()
-            .and_then(|text| text.parse().ok());
+    /// Returns the number of a cell, if it is one.
+    fn read(&self, at: usize) -> Option<f64> {
+        let text = std::str::from_utf8(self.text(at));
+        text.ok().and_then(|text| text.parse().ok())
+    }
+
+    /// Returns a coordinate; if it cannot be read, one that no other column has.
+    fn coordinate(&self, column: usize, at: usize, rows: &mut Rows) -> f64 {
+        let number = self.read(at);
         number.unwrap_or_else(|| {
+            self.number(at, rows);
+            unread(column)
+        })
+    }
+
+    fn number(&self, at: usize, rows: &mut Rows) -> f64 {
+        self.read(at).unwrap_or_else(|| {
+            let text = self.text(at);
             if text.is_empty() {
                 return self.empty(at, None, rows);
             }

@@ -497,8 +497,15 @@ struct Rows {
     first_line: Option<u64>,
 }
 
-/// The substitute for a number that could not be read: valid as a coordinate, radius or channel.
-const UNREAD: f64 = 1.0;
+/// The substitute for a number that could not be read: valid as a coordinate, radius or channel, and
+/// hardly ever the number of another cell.
+const UNREAD: f64 = 0.618_033_988_749_894_9;
+
+/// Returns the substitute for the number in a column: the two ends of a cylinder that could not be read
+/// are not the same point.
+fn unread(column: usize) -> f64 {
+    UNREAD / (column + 1) as f64
+}
 
 impl Rows {
     const fn new() -> Self {
