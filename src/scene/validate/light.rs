@@ -156,8 +156,10 @@ impl Found {
         let mut nearest = f64::INFINITY;
         each_shape(model, tables, |shape| {
             if let Extent::Ball(center, radius) = shape.extent() {
-                let distance = ((center - position).length() - radius).max(0.0);
-                nearest = nearest.min(distance);
+                let to_ball = ((center - position).length() - radius).max(0.0);
+                if to_ball < nearest {
+                    nearest = nearest.min(to_ball.max(to_box(shape, position)));
+                }
             }
         });
         let brightness = light.glow().radiance().max_channel();
@@ -211,7 +213,7 @@ impl Found {
                     part.geometries.iter().any(&mut see);
                 } else if let Some(instances) = tables.instances(leaf.at) {
                     let all = instances.placed(&leaf.placement).and_then(Result::ok);
-                    all.iter().any(&mut see);
+                    return all.iter().any(&mut see).then_some("copy");
                 }
                 kind
             }
@@ -260,6 +262,17 @@ fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
             see(shape);
             false
         });
+    }
+}
+
+/// Returns the distance from a point to the box around a shape: the ball around a wide floor is as high
+/// as the floor is wide.
+fn to_box(shape: &Shape, point: DVec3) -> f64 {
+    let beside = |[low, high]: [DVec3; 2]| (low - point).max(point - high).max(DVec3::ZERO);
+    match shape {
+        // Its ball is the shape.
+        Shape::Sphere(_) => 0.0,
+        _ => shape.bounds().map_or(0.0, |bounds| beside(bounds).length()),
     }
 }
 
