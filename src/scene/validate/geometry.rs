@@ -31,12 +31,13 @@ impl Found {
             if self.tally.only_counts(clash.code) {
                 continue;
             }
-            let place = path().field(clash.field);
-            let place = clash
-                .indices
-                .iter()
-                .fold(place, |place, index| place.index(*index));
-            let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
+            let path = path();
+            let place = clash.place.path(&path);
+            let mut problem = Problem::new(clash.code, place, Focus::Value, clash.message);
+            problem.shows_value = clash.shows_value;
+            for (other, label) in clash.others {
+                problem = problem.label(other.path(&path), Focus::Value, label);
+            }
             self.push(problem.help(clash.help));
         }
         if let Some(transform) = geometry.transform() {
@@ -105,7 +106,11 @@ impl Found {
         // A moving geometry separates from its duplicate.
         let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
         for (first, at) in duplicates.found(model) {
-            if stand_ins.has(first) || stand_ins.has(at) {
+            let is_whole = |at| {
+                let geometry = model.geometry(at);
+                geometry.is_some_and(|geometry| !stand_ins.has_part_of(at, geometry))
+            };
+            if !is_whole(first) || !is_whole(at) {
                 continue;
             }
             let geometry = model.geometry(at);

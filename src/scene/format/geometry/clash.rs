@@ -2,17 +2,45 @@
 
 use glam::DVec3;
 
-use crate::{diagnostic::Code, scene::format::field::Triple, tracer::vector::is_direction};
+use crate::{
+    diagnostic::{Code, path::Path},
+    scene::format::field::Triple,
+    tracer::vector::is_direction,
+};
 
 /// A fault between the fields of a geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Clash {
     pub(crate) code: Code,
-    /// The field that it is reported at, and the indices that lead to the value in it.
-    pub(crate) field: &'static str,
-    pub(crate) indices: Vec<usize>,
+    /// The value that it is reported at.
+    pub(crate) place: Place,
     pub(crate) message: String,
     pub(crate) help: String,
+    /// True if the message ends with the value as written.
+    pub(crate) shows_value: bool,
+    /// The values that it clashes with, each with a label: a setting of one of them is at fault.
+    pub(crate) others: Vec<(Place, &'static str)>,
+}
+
+/// A value of a geometry: the field, and the indices that lead to the value in it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Place {
+    field: &'static str,
+    indices: Vec<usize>,
+}
+
+impl Place {
+    fn new(field: &'static str, indices: impl Into<Vec<usize>>) -> Self {
+        let indices = indices.into();
+        Self { field, indices }
+    }
+
+    /// Returns the path of the value, given that of the geometry.
+    pub(crate) fn path(&self, geometry: &Path) -> Path {
+        let field = geometry.field(self.field);
+        let indices = self.indices.iter();
+        indices.fold(field, |path, index| path.index(*index))
+    }
 }
 
 impl Clash {
@@ -25,16 +53,38 @@ impl Clash {
         let (message, help) = (message.into(), help.into());
         Self {
             code,
-            field,
-            indices: Vec::new(),
+            place: Place::new(field, []),
             message,
             help,
+            shows_value: false,
+            others: Vec::new(),
+        }
+    }
+
+    /// Returns the fault of a number that is not finite.
+    pub(super) fn not_finite(field: &'static str, indices: impl Into<Vec<usize>>) -> Self {
+        let help = "numbers are finite 64-bit floats, up to about 1.8e308";
+        let clash = Self::new(Code::NotFinite, field, "expected a finite number", help);
+        Self {
+            shows_value: true,
+            ..clash.at(indices)
         }
     }
 
     /// Reports it at one value of the field.
     pub(super) fn at(mut self, indices: impl Into<Vec<usize>>) -> Self {
-        self.indices = indices.into();
+        self.place.indices = indices.into();
+        self
+    }
+
+    /// Adds a value that it clashes with.
+    pub(super) fn with(
+        mut self,
+        field: &'static str,
+        indices: impl Into<Vec<usize>>,
+        label: &'static str,
+    ) -> Self {
+        self.others.push((Place::new(field, indices), label));
         self
     }
 
@@ -43,7 +93,11 @@ impl Clash {
         let what = why_no_axis([from, to].map(|point| DVec3::from(*point)));
         let clash = what.map(|what| {
             let message = format!("`from` and `to` {what}: the {shape} has no length");
-            Self::new(Code::ZeroVector, "to", message, "give two different points")
+            Self::new(Code::ZeroVector, "to", message, "give two different points").with(
+                "from",
+                [],
+                "the other end",
+            )
         });
         Vec::from_iter(clash)
     }
@@ -59,6 +113,57 @@ pub(crate) fn why_no_axis([from, to]: [DVec3; 2]) -> Option<&'static str> {
         Some("are the same point")
     } else {
         Some("have a squared distance that is 0 or not finite in an f64")
+    }
+}
+
+/// The reason why two vectors span no area in f64.
+pub(super) enum NoArea {
+    Parallel,
+    /// The square of the area is 0.
+    TooSmall,
+    /// The square of the area is not finite.
+    TooLarge,
+}
+
+impl NoArea {
+    /// Returns the reason for two vectors, if they span none.
+    pub(super) fn of([u, v]: [DVec3; 2]) -> Option<Self> {
+        /// The sine of the smallest angle between directions that are not parallel.
+        const ALMOST_PARALLEL: f64 = 1e-9;
+        let across = u.cross(v);
+        if is_direction(across) {
+            return None;
+        }
+        // A factor first: the squares of very long and very short ones do not fit into an f64.
+        let direction = |v: DVec3| {
+            let v = v / v.abs().max_element();
+            v / v.length()
+        };
+        let sine = direction(u).cross(direction(v)).length();
+        Some(if !u.is_finite() || !v.is_finite() {
+            Self::TooLarge
+        } else if sine.is_nan() || sine <= ALMOST_PARALLEL {
+            Self::Parallel
+        } else if across.dot(across) == 0.0 {
+            Self::TooSmall
+        } else {
+            Self::TooLarge
+        })
+    }
+
+    /// Returns the fault of two sides, by their cross product as people write it; `None` for parallel
+    /// ones.
+    pub(super) fn clash(&self, field: &'static str, sides: &str, across: &str) -> Option<Clash> {
+        let (length, is) = match self {
+            Self::Parallel => return None,
+            Self::TooSmall => ("short", "0"),
+            Self::TooLarge => ("long", "not finite"),
+        };
+        let message = format!(
+            "the {sides} are too {length}: the squared length of {across} is {is} in an f64"
+        );
+        let help = "write lengths in another unit, in the whole scene";
+        Some(Clash::new(Code::ZeroVector, field, message, help))
     }
 }
 

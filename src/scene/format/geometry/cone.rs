@@ -60,6 +60,10 @@ impl Kind for ConeModel {
     }
 
     fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        // It follows the other numbers, as if it were given.
+        if self.top_radius.is_none() {
+            see(0.0);
+        }
         see(f64::from(u8::from(self.capped.unwrap_or(true))));
     }
 

@@ -77,7 +77,9 @@ impl Kind for BoxModel {
             let (of_min, of_max) = (number(min[axis]), number(max[axis]));
             let message =
                 format!("`max` must be above `min`, which is `{of_min}`, found `{of_max}`");
-            Clash::new(Code::OutOfRange, "max", message, &*help).at([axis])
+            Clash::new(Code::OutOfRange, "max", message, &*help)
+                .at([axis])
+                .with("min", [axis], "`min`")
         };
         empty.map(clash).collect()
     }

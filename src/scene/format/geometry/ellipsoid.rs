@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value as Json, json};
 
 use crate::{
     diagnostic::Code,
@@ -31,7 +32,7 @@ pub struct EllipsoidModel {
     pub center: Triple,
     /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
     /// cannot change over time.
-    #[schemars(extend("minItems" = 3, "maxItems" = 3))]
+    #[schemars(extend("minItems" = 3, "maxItems" = 3), transform = no_axis_is_0)]
     pub axes: Vec<Triple>,
     /// The color: a matte surface. Give this or `material`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -74,15 +75,9 @@ impl Kind for EllipsoidModel {
         let mut clashes = Vec::new();
         for (index, axis) in axes.iter().enumerate() {
             if !axis.is_finite() {
-                clashes.push(
-                    Clash::new(
-                        Code::NotFinite,
-                        "axes",
-                        "expected finite numbers",
-                        "numbers are finite 64-bit floats, up to about 1.8e308",
-                    )
-                    .at([index]),
-                );
+                let numbers = axis.to_array().into_iter().enumerate();
+                let infinite = numbers.filter(|(_, number)| !number.is_finite());
+                clashes.extend(infinite.map(|(at, _)| Clash::not_finite("axes", [index, at])));
             } else if !is_direction(*axis) {
                 let message = "this axis has no direction, its squared length is 0 or not finite \
                                in an f64";
@@ -95,7 +90,8 @@ impl Kind for EllipsoidModel {
         {
             let message =
                 format!("`axes[{one}]` and `axes[{other}]` must be perpendicular to each other");
-            clashes.push(Clash::new(Code::OutOfRange, "axes", message, cure(axes)).at([other]));
+            let clash = Clash::new(Code::OutOfRange, "axes", message, cure(axes)).at([other]);
+            clashes.push(clash.with("axes", [one], "the other one"));
         }
         clashes
     }
@@ -112,6 +108,14 @@ fields! {
     }
 }
 
+/// Requires that each axis has a length.
+fn no_axis_is_0(schema: &mut Schema) {
+    let items = schema.get_mut("items").and_then(Json::as_object_mut);
+    if let Some(items) = items {
+        items.insert("not".to_owned(), json!({"const": [0, 0, 0]}));
+    }
+}
+
 /// Returns the cure for axes that are not perpendicular: others of the same lengths, the first of
 /// the same direction (Gram and Schmidt).
 fn cure(axes: [DVec3; 3]) -> String {
@@ -124,7 +128,57 @@ fn cure(axes: [DVec3; 3]) -> String {
     }
     let side = if c.dot(w) < 0.0 { -1.0 } else { 1.0 };
     let [b, c] = [b.length() * unit(v), side * c.length() * unit(w)];
-    let rounded = |vector: DVec3| vector.to_array().map(|x| (x * 1e9).round() / 1e9 + 0.0);
-    let [a, b, c] = [a, b, c].map(|axis| shown(rounded(axis)));
+    let axes = [a, b, c].map(rounded);
+    // Of two that are nearly parallel only rounding errors are left.
+    if Ellipsoid::skew(axes).is_some() {
+        return "give three directions at right angles".to_owned();
+    }
+    let [a, b, c] = axes.map(|axis| shown(axis.to_array()));
     format!("the nearest ones are `axes: [{a}, {b}, {c}]`")
+}
+
+/// Rounds each number of a vector to about a billionth of its length.
+fn rounded(vector: DVec3) -> DVec3 {
+    const DIGITS: i32 = 9;
+    let exponent = |x: f64| x.abs().log10().floor() as i32;
+    let longest = exponent(vector.length());
+    vector.map(|x| {
+        // That of 0 is the smallest of all numbers.
+        let digits = exponent(x).saturating_sub(longest).saturating_add(DIGITS);
+        let digits = usize::try_from(digits).ok();
+        let text = digits.map(|digits| format!("{x:.digits$e}"));
+        text.and_then(|text| text.parse().ok()).unwrap_or_default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cure_is_valid_at_any_size() {
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
+        for axes in [
+            [x, x + y, z],
+            [3.0 * x + 1e-3 * y, 2.0 * y, -5.0 * z],
+            [1e-10 * x, 1e-10 * (x + y), 1e-10 * z],
+            [DVec3::new(1e-7, 2e-8, 0.0), 1e-7 * y, 5e-8 * z],
+            [1e100 * x, 1e-100 * (x + y), z],
+            [DVec3::new(1.0, 2.0, 3.0) / 7.0, y, z],
+        ] {
+            let cure = cure(axes);
+            let (_, list) = cure.split_once("axes: ").unwrap();
+            let numbers = list.replace(['(', ')', '[', ']', '`'], "");
+            let numbers = numbers.split(", ").map(|number| number.parse().unwrap());
+            let numbers: Vec<f64> = numbers.collect();
+            let cured = [0, 3, 6].map(|at| DVec3::from_slice(&numbers[at..]));
+            assert_eq!(Ellipsoid::skew(cured), None, "{cure}");
+            for (cured, given) in cured.iter().zip(axes) {
+                let factor = cured.length() / given.length();
+                assert!((factor - 1.0).abs() < 1e-8, "{cure}");
+            }
+        }
+        let flat = [x, x + 1e-17 * y, z];
+        assert_eq!(cure(flat), "give three directions at right angles");
+    }
 }

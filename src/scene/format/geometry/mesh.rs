@@ -210,15 +210,7 @@ impl MeshModel {
                 axes.map(move |(axis, number)| ([index, axis], number))
             });
         let infinite = coordinates.filter(|(_, number)| !number.is_finite());
-        infinite.map(|(place, _)| {
-            Clash::new(
-                Code::NotFinite,
-                "vertices",
-                "expected a finite number",
-                "numbers are finite 64-bit floats, up to about 1.8e308",
-            )
-            .at(place)
-        })
+        infinite.map(|(place, _)| Clash::not_finite("vertices", place))
     }
 
     /// Returns the faults of corners that no vertex has.

@@ -11,7 +11,10 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::{clash::Clash, kind::Kind},
+        geometry::{
+            clash::{Clash, NoArea},
+            kind::Kind,
+        },
         material::MaterialModel,
     },
     tracer::{
@@ -63,16 +66,20 @@ impl Kind for RectangleModel {
             let help = "give the way from the corner to its neighbor";
             Clash::new(Code::ZeroVector, field, message, help)
         });
-        let is_flat = is_direction(u) && is_direction(v) && !is_direction(u.cross(v));
+        let have_lengths = is_direction(u) && is_direction(v);
+        let no_area = NoArea::of([u, v]).filter(|_| have_lengths);
         let corner = DVec3::from(self.corner);
         let reaches_too_far = corner.is_finite() && !(corner + u + v).is_finite();
-        let clash = is_flat.then(|| {
-            Clash::new(
-                Code::ParallelVectors,
-                "edge_v",
-                "`edge_u` and `edge_v` are parallel, so that the rectangle has no area",
-                "give an edge in another direction",
-            )
+        let clash = no_area.map(|reason| {
+            let clash = reason.clash("edge_v", "edges", "`edge_u` × `edge_v`");
+            let parallel = || {
+                let message =
+                    "`edge_u` and `edge_v` are parallel, so that the rectangle has no area";
+                let help = "give an edge in another direction";
+                Clash::new(Code::ParallelVectors, "edge_v", message, help)
+            };
+            let clash = clash.unwrap_or_else(parallel);
+            clash.with("edge_u", [], "the other edge")
         });
         let too_far = (reaches_too_far && u.is_finite() && v.is_finite()).then(|| {
             Clash::new(
@@ -81,6 +88,8 @@ impl Kind for RectangleModel {
                 "the opposite corner is not finite in an f64",
                 "numbers are finite 64-bit floats, up to about 1.8e308",
             )
+            .with("edge_u", [], "an edge")
+            .with("edge_v", [], "an edge")
         });
         short.chain(clash).chain(too_far).collect()
     }

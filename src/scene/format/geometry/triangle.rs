@@ -11,13 +11,15 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::{clash::Clash, kind::Kind},
+        geometry::{
+            clash::{Clash, NoArea},
+            kind::Kind,
+        },
         material::MaterialModel,
     },
     tracer::{
         error::GeometryError,
         shape::{Shape, triangle::Triangle},
-        vector::is_direction,
     },
 };
 
@@ -61,22 +63,27 @@ impl Kind for TriangleModel {
     fn clashes(&self) -> Vec<Clash> {
         let [a, b, c] = self.corners();
         let is_finite = a.is_finite() && b.is_finite() && c.is_finite();
-        let has_area = is_direction((b - a).cross(c - a));
+        let no_area = NoArea::of([b - a, c - a]).filter(|_| is_finite);
         let equal = [("b", "a", b == a), ("c", "a", c == a), ("c", "b", c == b)];
         let equal = equal.into_iter().find(|(_, _, are_equal)| *are_equal);
-        let clash = (is_finite && !has_area).then(|| match equal {
+        let clash = no_area.map(|reason| match equal {
             Some((field, other, _)) => Clash::new(
                 Code::ZeroVector,
                 field,
                 format!("`{other}` and `{field}` are the same point: the triangle has no area"),
                 "give three different points",
-            ),
-            None => Clash::new(
-                Code::ParallelVectors,
-                "c",
-                "`a`, `b` and `c` lie on one line: the triangle has no area",
-                "give a point beside the line",
-            ),
+            )
+            .with(other, [], "the other one"),
+            None => {
+                let clash = reason.clash("c", "sides", "(b - a) × (c - a)");
+                let on_a_line = || {
+                    let message = "`a`, `b` and `c` lie on one line: the triangle has no area";
+                    let help = "give a point beside the line";
+                    Clash::new(Code::ParallelVectors, "c", message, help)
+                };
+                let clash = clash.unwrap_or_else(on_a_line);
+                clash.with("a", [], "`a`").with("b", [], "`b`")
+            }
         });
         Vec::from_iter(clash)
     }
