@@ -14,7 +14,10 @@ use serde::{
     de::{Error as _, MapAccess, Visitor},
 };
 use serde_json::Value;
-use strahl::{Error, Syntax, scene::Setting};
+use strahl::{
+    Error, Syntax,
+    scene::{Setting, SettingError},
+};
 
 use self::place::Line;
 pub(super) use self::place::TableFaults;
@@ -112,37 +115,28 @@ impl Params {
     }
 
     /// Returns the values that a row sets in a scene.
-    pub(super) fn settings(
-        &self,
-        row: usize,
-        columns: &Columns,
-        syntax: Syntax,
-    ) -> Result<Vec<Setting>, Failure> {
+    pub(super) fn settings(&self, row: usize, columns: &Columns) -> Result<Vec<Setting>, Failure> {
         let paths = columns
             .are_paths
             .iter()
             .enumerate()
             .filter(|(_, is_path)| **is_path);
-        let settings = paths.filter_map(|(at, _)| self.setting(row, at, syntax));
+        let settings = paths.filter_map(|(at, _)| self.setting(row, at));
         settings.collect()
     }
 
-    fn setting(&self, row: usize, at: usize, syntax: Syntax) -> Option<Result<Setting, Failure>> {
+    fn setting(&self, row: usize, at: usize) -> Option<Result<Setting, Failure>> {
         let (row, column) = (self.rows.get(row)?, self.columns.get(at)?);
-        let wrong = |what: &str| self.wrong(&row.line, column, what);
-        let value = match row.cells.get(at)?.as_ref()? {
-            Cell::Text(text) => text.clone(),
-            Cell::Json(value) if syntax == Syntax::Json => value.to_string(),
-            Cell::Json(value) => match ron(value) {
-                Some(text) => text,
-                None => {
-                    let what = "an object cannot be set in a RON scene; set its fields";
-                    return Some(Err(wrong(what)));
-                }
-            },
+        let parsed = |value: &str| format!("{column}={value}").parse();
+        let setting: Result<Setting, SettingError> = match row.cells.get(at)?.as_ref()? {
+            Cell::Text(text) => parsed(text),
+            Cell::Json(value) => {
+                let setting = parsed(&value.to_string());
+                setting.map(|setting| setting.in_syntax(Syntax::Json))
+            }
         };
-        let setting = format!("{column}={value}").parse();
-        Some(setting.map_err(|error: strahl::scene::SettingError| wrong(&error.to_string())))
+        let wrong = |error: SettingError| self.wrong(&row.line, column, &error.to_string());
+        Some(setting.map_err(wrong))
     }
 
     /// Returns the value of a row in a column, as a part of a file name. Without such a column,
@@ -308,17 +302,4 @@ impl<'de> Deserialize<'de> for Fields {
 
         deserializer.deserialize_map(FieldsVisitor)
     }
-}
-
-/// Converts a JSON value to RON; arrays become tuples.
-fn ron(value: &Value) -> Option<String> {
-    Some(match value {
-        Value::Null => "None".to_owned(),
-        Value::Array(elements) => {
-            let elements: Option<Vec<_>> = elements.iter().map(ron).collect();
-            format!("({})", elements?.join(", "))
-        }
-        Value::Object(_) => return None,
-        value => value.to_string(),
-    })
 }

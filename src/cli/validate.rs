@@ -321,7 +321,7 @@ impl<'a> Run<'a> {
             }
         }
         let check = |row| {
-            let settings = params.settings(row, &columns, document.syntax())?;
+            let settings = params.settings(row, &columns)?;
             let set = document.with(settings);
             Ok(faults_of_row(&set, &params, row))
         };

@@ -223,6 +223,45 @@ fn a_row_of_a_table_is_the_same_as_set() {
 }
 
 #[test]
+fn json_values_are_set_whatever_the_syntax_of_the_scene() {
+    let folder = Folder::new();
+    folder.write(
+        "scene.ron",
+        r##"(
+    camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 90),
+    geometries: [
+        Ellipsoid(center: (0, 0, 0), axes: [(1, 0, 0), (0, 1, 0), (0, 0, 1)], color: "#f00"),
+        Group(transform: (translate: (1, 0, 0)), geometries: [
+            Box(min: (0, 0, 0), max: (1, 1, 1), color: "#f00"),
+        ]),
+    ],
+)"##,
+    );
+    folder.write(
+        "good.jsonl",
+        r#"{"geometries[0].axes": [[1, 0, 0], [0, 2, 0], [0, 0, 1]]}
+{"geometries[1].transform": {"matrix": [[1, 0, 0, 0], [0, 2, 0, 0], [0, 0, 1, 0]]}}
+{"geometries[1].transform.rotate": {"axis": [0, 1, 0], "angle": 45}}
+{"geometries[0].color": [0, 0.5, 1], "geometries[1].geometries[0].min[2]": -1}
+{"camera": {"Orthographic": {"eye": [0, 0, 9], "gaze": [0, 0, -1], "scale": 4}}}
+"#,
+    );
+    let args = ["validate", "scene.ron", "--params", "good.jsonl"];
+    let valid = run(&mut folder.strahl(args));
+    assert_eq!(valid.status, Some(0), "{valid:?}");
+    folder.write(
+        "bad.jsonl",
+        "{\"geometries[0].axes\": [[1, 0, 0], [0, 2, 0], [0, 1]]}\n",
+    );
+    let args = ["validate", "scene.ron", "--params", "bad.jsonl"];
+    let wrong = run(&mut folder.strahl(args.into_iter().chain(["--output-format=short"])));
+    let stdout = String::from_utf8(wrong.stdout).unwrap();
+    let expected = "bad.jsonl:1:2: error[wrong-type]: column `geometries[0].axes`: expected an array \
+                    of 3 numbers, found an array of 2";
+    assert_eq!(stdout.lines().next(), Some(expected));
+}
+
+#[test]
 fn faults_in_a_table_are_reported_by_row_and_column() {
     let folder = Folder::with_scenes();
     folder.write(

@@ -186,6 +186,99 @@ fn conflicts_are_reported_at_the_set_value() {
     }
 }
 
+const SHAPES: &str = r##"(
+    camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 90),
+    geometries: [
+        Box(min: (0, 0, 0), max: (1, 1, 1), color: "#f00"),
+        Cylinder(from: (0, 0, 0), to: (0, 1, 0), radius: 1, color: "#f00"),
+        Rectangle(corner: (0, 0, 0), edge_u: (1, 0, 0), edge_v: (0, 1, 0), color: "#f00"),
+        Triangle(a: (0, 0, 0), b: (1, 0, 0), c: (0, 1, 0), color: "#f00"),
+        Ellipsoid(center: (0, 0, 0), axes: [(1, 0, 0), (0, 2, 0), (0, 0, 3)], color: "#f00"),
+        Disc(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, color: "#f00"),
+    ],
+)"##;
+
+#[test]
+fn fields_that_clash_are_reported_at_the_set_one() {
+    let folder = Folder::new();
+    folder.write("a.ron", SHAPES);
+    for (setting, column, message) in [
+        (
+            "geometries[0].min[1]=2",
+            22,
+            "error[out-of-range]: `max` must be above `min`, which is `2`, found `1`; the other is \
+             `geometries[0].max[1]`",
+        ),
+        (
+            "geometries[0].min=(0, 2, 0)",
+            23,
+            "error[out-of-range]: `max` must be above `min`, which is `2`, found `1`; the other is \
+             `geometries[0].max[1]`",
+        ),
+        (
+            "geometries[1].from=(0, 1, 0)",
+            20,
+            "error[zero-vector]: `from` and `to` are the same point: the cylinder has no length; \
+             the other is `geometries[1].to`",
+        ),
+        (
+            "geometries[1].from[1]=1",
+            23,
+            "error[zero-vector]: `from` and `to` are the same point: the cylinder has no length; \
+             the other is `geometries[1].to`",
+        ),
+        (
+            "geometries[2].edge_u=(0, 2, 0)",
+            22,
+            "error[parallel-vectors]: `edge_u` and `edge_v` are parallel, so that the rectangle has \
+             no area; the other is `geometries[2].edge_v`",
+        ),
+        (
+            "geometries[3].a=(2, -1, 0)",
+            17,
+            "error[parallel-vectors]: `a`, `b` and `c` lie on one line: the triangle has no area; \
+             the others are `geometries[3].c`, `geometries[3].b`",
+        ),
+        (
+            "geometries[4].axes[1][1]=0",
+            26,
+            "error[zero-vector]: this axis has no direction, its squared length is 0 or not finite \
+             in an f64",
+        ),
+        (
+            "geometries[4].axes[0]=(1, 1, 0)",
+            23,
+            "error[out-of-range]: `axes[0]` and `axes[1]` must be perpendicular to each other; the \
+             other is `geometries[4].axes[1]`",
+        ),
+        (
+            "geometries[5].normal[2]=0",
+            25,
+            "error[zero-vector]: `normal` has no direction, its squared length is 0",
+        ),
+    ] {
+        let args = ["validate", "a.ron", "--output-format=short", "--set"];
+        let done = run(&mut folder.strahl(args.into_iter().chain([setting])));
+        let (path, value) = setting.split_once('=').unwrap();
+        let expected = in_file("a.ron", &format!("{path}:1:{column}: {message}"));
+        let stdout = String::from_utf8(done.stdout).unwrap();
+        assert_eq!(stdout.lines().next(), Some(&*expected), "{setting}");
+        let table = format!("{path}\n\"{value}\"\n");
+        folder.write("t.csv", table);
+        let args = [
+            "validate",
+            "a.ron",
+            "--output-format=short",
+            "--params=t.csv",
+        ];
+        let done = run(&mut folder.strahl(args));
+        let stdout = String::from_utf8(done.stdout).unwrap();
+        let (code, message) = message.split_once(": ").unwrap();
+        let expected = format!("t.csv:2:1: {code}: column `{path}`: {message}");
+        assert_eq!(stdout.lines().next(), Some(&*expected), "{setting}");
+    }
+}
+
 #[test]
 fn a_camera_can_be_removed() {
     let folder = Folder::new();

@@ -178,7 +178,7 @@ pub(super) fn with_row(
     if columns.has_errors() {
         return (Err(Failure::Found), None);
     }
-    let settings = match params.settings(row, columns, document.syntax()) {
+    let settings = match params.settings(row, columns) {
         Ok(settings) => settings,
         Err(failure) => return (Err(failure), None),
     };

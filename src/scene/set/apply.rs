@@ -24,12 +24,13 @@ use crate::{
 
 /// Settings and the result of applying them.
 pub(crate) struct Applied<'s> {
-    syntax: Syntax,
     settings: Vec<One<'s>>,
 }
 
 struct One<'s> {
     setting: &'s Setting,
+    /// The syntax of its value.
+    syntax: Syntax,
     /// The path, with the index of a geometry or a light in the place of its name.
     steps: Vec<Step>,
     is_applied: bool,
@@ -44,6 +45,7 @@ impl<'s> Applied<'s> {
         let settings = settings.iter().map(|setting| {
             let mut steps = setting.steps.clone();
             let mut removes = false;
+            let syntax = setting.syntax.unwrap_or(syntax);
             let done = index_of_name(model, &mut steps)
                 .map_err(|fault| vec![fault])
                 .and_then(|()| {
@@ -53,6 +55,7 @@ impl<'s> Applied<'s> {
                 });
             One {
                 setting,
+                syntax,
                 steps: steps.into_iter().map(|part| part.step).collect(),
                 is_applied: done.is_ok(),
                 removes,
@@ -61,7 +64,6 @@ impl<'s> Applied<'s> {
         });
         Self {
             settings: settings.collect(),
-            syntax,
         }
     }
 
@@ -70,18 +72,18 @@ impl<'s> Applied<'s> {
         let mut others = Vec::new();
         for mut problem in problems {
             // The last setting determines the value in the model.
-            let setting_of = |path: &Path| {
+            let setting_of = |path: &Path, focus: Focus| {
                 let mut settings = self.settings.iter();
-                settings.rposition(|one| one.is_applied && one.rest_of(path).is_some())
+                settings.rposition(|one| one.is_applied && one.is_about(path, focus))
             };
-            let mut setting = setting_of(&problem.diagnostic.path).or_else(|| {
+            let mut setting = setting_of(&problem.diagnostic.path, problem.focus).or_else(|| {
                 let mut settings = self.settings.iter();
                 settings.rposition(|one| one.leaves_missing(&problem))
             });
             if setting.is_none() {
                 // Of two values that clash, the one from a setting is at fault.
                 let mut labels = problem.labels.iter_mut();
-                let label = labels.find_map(|label| Some((setting_of(&label.0)?, label)));
+                let label = labels.find_map(|label| Some((setting_of(&label.0, label.1)?, label)));
                 if let Some((index, (path, focus, message))) = label {
                     mem::swap(&mut problem.diagnostic.path, path);
                     mem::swap(&mut problem.focus, focus);
@@ -90,7 +92,7 @@ impl<'s> Applied<'s> {
                 }
             }
             match setting.and_then(|index| self.settings.get_mut(index)) {
-                Some(one) => one.faults.extend(one.place(problem, self.syntax)),
+                Some(one) => one.faults.extend(one.place(problem)),
                 None => others.push(problem),
             }
         }
@@ -135,6 +137,26 @@ impl One<'_> {
         lead_alike(begin, &self.steps).then(|| rest.into())
     }
 
+    /// Returns true if it sets a number of a vector that is a field of a struct.
+    fn is_inside(&self, path: &Path, focus: Focus) -> bool {
+        let is_index = |step: &Step| step.name().is_none();
+        match (
+            self.steps.split_at_checked(path.steps().len()),
+            path.steps(),
+        ) {
+            // Not an element of a list of the scene.
+            (Some((begin, rest)), [_, _, ..]) if focus == Focus::Value => {
+                lead_alike(begin, path.steps()) && rest.iter().all(is_index)
+            }
+            _ => false,
+        }
+    }
+
+    /// Returns true if it sets the value at a path, one around it, or a number of it.
+    fn is_about(&self, path: &Path, focus: Focus) -> bool {
+        self.rest_of(path).is_some() || self.is_inside(path, focus)
+    }
+
     /// Returns true if the problem is a missing value that the setting removed.
     fn leaves_missing(&self, problem: &Problem) -> bool {
         let path = problem.diagnostic.path.steps();
@@ -149,12 +171,15 @@ impl One<'_> {
     }
 
     /// Converts a problem of the set value to a diagnostic at its place.
-    fn place(&self, problem: Problem, syntax: Syntax) -> Option<Diagnostic> {
-        let tree = syntax::parse(self.setting.value(), syntax);
+    fn place(&self, problem: Problem) -> Option<Diagnostic> {
+        let tree = syntax::parse(self.setting.value(), self.syntax);
         let repairs = Repairs::default();
         let locator = Locator::new(self.setting.value(), &tree, &repairs);
         let locate = |path: &Path, focus: Focus| -> Option<Range<usize>> {
-            let rest = self.rest_of(path)?;
+            let rest = match self.rest_of(path) {
+                None if self.is_inside(path, focus) => Path::ROOT,
+                rest => rest?,
+            };
             let is_whole = rest.steps().is_empty();
             if is_whole && matches!(focus, Focus::Key | Focus::Bracket) {
                 return Some(0..self.setting.path().len());
@@ -175,9 +200,12 @@ impl One<'_> {
         let others = others.filter(|(path, focus, _)| locate(path, *focus).is_none());
         let others: Vec<_> = others.map(|(path, ..)| format!("`{path}`")).collect();
         let mut placed = problem.placed(range, self.setting.text(), locate);
-        if !others.is_empty() {
-            placed.message = format!("{}; the other is {}", placed.message, others.join(", "));
-        }
+        let others = match &*others {
+            [] => return Some(placed),
+            [other] => format!("the other is {other}"),
+            others => format!("the others are {}", others.join(", ")),
+        };
+        placed.message = format!("{}; {others}", placed.message);
         Some(placed)
     }
 }

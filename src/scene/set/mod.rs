@@ -17,7 +17,7 @@ pub use lookup::FieldLookup;
 pub(crate) use lookup::look_up;
 pub use parse::SettingError;
 
-use crate::scene::path::Part;
+use crate::{scene::path::Part, text::syntax::Syntax};
 
 /// A value that replaces one of a scene, or adds to it.
 ///
@@ -45,12 +45,23 @@ pub struct Setting {
     steps: Vec<Part>,
     /// The start of the value.
     value: usize,
+    /// The syntax of the value; that of the scene if it is not known.
+    syntax: Option<Syntax>,
 }
 
 impl Setting {
     /// Returns the whole setting as written: `PATH=VALUE`.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// Reads the value in this syntax, whatever the syntax of the scene.
+    #[must_use]
+    pub fn in_syntax(self, syntax: Syntax) -> Self {
+        Self {
+            syntax: Some(syntax),
+            ..self
+        }
     }
 
     /// Returns the path as written.

@@ -44,6 +44,7 @@ impl FromStr for Setting {
             text: text.to_owned(),
             steps,
             value,
+            syntax: None,
         })
     }
 }
