@@ -129,6 +129,15 @@ impl<'p> Trail<'p> {
     pub(crate) const fn index(&'p self, index: usize) -> Self {
         Self::Inside(self, Step::Index(index))
     }
+
+    /// Returns the name of the field that the path leads to, or to an element of.
+    pub(crate) fn last_field(&self) -> Option<&str> {
+        match self {
+            Self::Inside(around, Step::Index(_)) => around.last_field(),
+            Self::Inside(_, Step::Field(name)) => Some(name),
+            Self::Inside(_, Step::Key(_)) | Self::Root => None,
+        }
+    }
 }
 
 impl From<&Trail<'_>> for Path {

@@ -215,7 +215,11 @@ impl<'a> Locator<'a> {
                 at.inner += 1;
                 match nodes.next() {
                     Some(node) => self.add_stand_ins(node, geometry, at, found),
-                    None => at.inner += geometry.total() - 1,
+                    None => {
+                        // The field is missing.
+                        found.push(*at);
+                        at.inner += geometry.total() - 1;
+                    }
                 }
             }
         }

@@ -4,7 +4,13 @@ use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
 use crate::{
-    scene::{format::scene::Model, new::new_scene},
+    scene::{
+        format::{
+            geometry::solid::{COMBINED, SOLIDS},
+            scene::Model,
+        },
+        new::new_scene,
+    },
     text::syntax::Syntax,
 };
 
@@ -38,7 +44,7 @@ pub fn schema() -> String {
     let surface = ["color", "material"];
     let with_less = [&["Mesh", "Spheres", "Cylinders"][..], COMBINED].concat();
     one_of(&mut schema, "Geometry", surface, &with_less);
-    one_of(&mut schema, "Solid", surface, &[SIMPLE, COMBINED].concat());
+    one_of(&mut schema, "Solid", surface, SOLIDS);
     a_mesh_is_given(&mut schema);
     a_camera_is_given(&mut schema);
     something_moves(&mut schema);
@@ -50,20 +56,6 @@ pub fn schema() -> String {
     text
 }
 
-/// The solids that are put together from others.
-const COMBINED: &[&str] = &["Union", "Intersection", "Difference"];
-
-/// All other solids.
-const SIMPLE: &[&str] = &[
-    "Plane",
-    "Sphere",
-    "Box",
-    "Cylinder",
-    "Cone",
-    "Capsule",
-    "Ellipsoid",
-];
-
 /// The description of all solids.
 const SOLID: &str =
     "A solid, inside of another one. Its color or material may be that of the solid around it.";
@@ -71,7 +63,7 @@ const SOLID: &str =
 /// Allows only solids inside of solids: they are geometries of a definition of their own.
 fn operands(schema: &mut Value) {
     let is_solid = |variant: &Value| {
-        let mut solids = SIMPLE.iter().chain(COMBINED);
+        let mut solids = SOLIDS.iter();
         solids.any(|solid| !variant["properties"][solid].is_null())
     };
     let definitions = &mut schema["$defs"];

@@ -96,6 +96,54 @@ fn names_from_other_programs_are_replaced() {
 }
 
 #[test]
+fn square_brackets_are_added_and_removed() {
+    let folder = Folder::new();
+    let ball = "Sphere(center: (0, 0, -3), radius: 1, color: \"#f00\")";
+    let json = r##"{"Sphere": {"center": [0, 0, -3], "radius": 1, "color": "#f00"}}"##;
+    for (name, start, end, [before, after]) in [
+        (
+            "a.ron",
+            "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60), geometries: ",
+            ")",
+            [
+                format!("Difference(of: [ {ball}, ], minus: {ball})"),
+                format!("[Difference(of: {ball}, minus: [{ball}])]"),
+            ],
+        ),
+        (
+            "a.json",
+            r#"{"camera": {"Perspective": {"eye": [0, 0, 0], "gaze": [0, 0, -1], "fov": 60}}, "geometries": "#,
+            "}",
+            [
+                format!(r#"[{{"Difference": {{"of": [{json}], "minus": {json}}}}}]"#),
+                format!(r#"[{{"Difference": {{"of": {json}, "minus": [{json}]}}}}]"#),
+            ],
+        ),
+        (
+            "comment.ron",
+            "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60), geometries: ",
+            ")",
+            [
+                format!("[Difference(of: [{ball} /* a */], minus: [{ball}])]"),
+                format!("[Difference(of: [{ball} /* a */], minus: [{ball}])]"),
+            ],
+        ),
+    ] {
+        let path = folder.write(name, format!("{start}{before}{end}"));
+        run(&mut folder.strahl(["validate", "--fix", name]));
+        run(&mut folder.strahl(["validate", "--fix", name]));
+        let fixed = fs::read_to_string(&path).unwrap();
+        assert_eq!(fixed, format!("{start}{after}{end}"));
+    }
+    // A shape that is not a solid is never what is meant inside of one.
+    let text = "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60), geometries: \
+                [Union(of: [Disk(center: (0, 0, -3), normal: (0, 0, 1), radius: 1)], color: \"#f00\")])";
+    let path = folder.write("disk.ron", text);
+    run(&mut folder.strahl(["validate", "--fix", "disk.ron"]));
+    assert_eq!(fs::read_to_string(&path).unwrap(), text);
+}
+
+#[test]
 fn uncertain_corrections_are_not_applied() {
     let folder = Folder::new();
     for text in [

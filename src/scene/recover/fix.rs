@@ -86,20 +86,9 @@ pub(super) fn respelt(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Fi
         (Kind::Tuple, _)
             if node
                 .name()
-                .is_some_and(|name| document.slice(name) == "Some")
-                && tree.children(id).count() == 1 =>
+                .is_some_and(|name| document.slice(name) == "Some") =>
         {
-            let value = tree.node(tree.children(id).next()?).range();
-            let around = [range.start..value.start, value.end..range.end];
-            let mut around = around.into_iter();
-            around
-                .all(|range| tree.comments_in(range).is_empty())
-                .then(|| {
-                    Fix::safe([
-                        Edit::remove(range.start..value.start),
-                        Edit::remove(value.end..range.end),
-                    ])
-                })
+            alone(document, id)
         }
         (Kind::String, Wants::Number) => {
             let inside = string(document.source(id), syntax)?;
@@ -110,7 +99,40 @@ pub(super) fn respelt(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Fi
         }
         (Kind::List, Wants::Tuple) if syntax == Syntax::Ron => brackets("(", ")"),
         (Kind::Tuple, Wants::List) if node.name().is_none() => brackets("[", "]"),
+        _ if wants == Wants::List && is_variant(document, id) => Some(Fix::safe([
+            Edit::insert(range.start, "["),
+            Edit::insert(range.end, "]"),
+        ])),
         _ => None,
+    }
+}
+
+/// Removes what is around the only element of a node; `None` if there are others, or if a comment would
+/// be lost.
+pub(super) fn alone(document: Text<'_>, id: NodeId) -> Option<Fix> {
+    let tree = document.tree;
+    let mut children = tree.children(id);
+    let (Some(only), None) = (children.next(), children.next()) else {
+        return None;
+    };
+    let (whole, value) = (tree.node(id).range(), tree.node(only).range());
+    let around = [whole.start..value.start, value.end..whole.end];
+    let has_comment = |range: &Range<usize>| !tree.comments_in(range.clone()).is_empty();
+    (!around.iter().any(has_comment)).then(|| Fix::safe(around.map(Edit::remove)))
+}
+
+/// Returns true if a value is a variant with content.
+fn is_variant(document: Text<'_>, id: NodeId) -> bool {
+    let tree = document.tree;
+    let is_capital = |name: &str| name.starts_with(|first: char| first.is_ascii_uppercase());
+    match (tree.syntax(), tree.node(id).kind()) {
+        (Syntax::Ron, Kind::Struct | Kind::Tuple | Kind::Unit) => tree.node(id).name().is_some(),
+        (Syntax::Json, Kind::Map) => {
+            let mut fields = tree.fields(id);
+            let first = fields.next().filter(|_| fields.next().is_none());
+            first.is_some_and(|(key, _)| is_capital(document.source(key).trim_matches('"')))
+        }
+        _ => false,
     }
 }
 

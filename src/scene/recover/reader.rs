@@ -122,7 +122,7 @@ impl<'a> Reader<'a, '_> {
             (Kind::Struct | Kind::Map, None, Wants::Tuple | Wants::Color) => {
                 Some("write the three numbers alone, without names".to_owned())
             }
-            (Kind::Tuple, None, Wants::List) => {
+            (_, _, Wants::List) if fix.is_some() => {
                 Some("a list is written in square brackets".to_owned())
             }
             _ => None,

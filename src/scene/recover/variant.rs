@@ -8,11 +8,14 @@ use serde::de::{
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
-    scene::recover::{
-        Text,
-        access::{Elements, fields, given_fields, stand_ins},
-        fix,
-        reader::Fault,
+    scene::{
+        format::geometry::solid::{OPERANDS, SOLIDS},
+        recover::{
+            Text,
+            access::{Elements, fields, given_fields, stand_ins},
+            fix,
+            reader::Fault,
+        },
     },
     text::{
         nearest::{list, nearest, quote},
@@ -65,6 +68,7 @@ impl<'a, 'p> Variant<'a, 'p> {
     ) -> Self {
         let stand_in = Self::stand_in(document, path, variants);
         let Some(given) = given(document, id) else {
+            let variants = fitting(path, variants);
             document.replace(id, no_variant(document, path, id, variants));
             return stand_in;
         };
@@ -82,6 +86,7 @@ impl<'a, 'p> Variant<'a, 'p> {
                 ..stand_in
             };
         }
+        let variants = fitting(path, variants);
         let meant = nearest(&spelt, variants);
         let message = format!(
             "unknown variant {}, expected one of {}",
@@ -162,6 +167,15 @@ fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
     }
 }
 
+/// Returns the variants that are valid at a path: inside of a solid only solids.
+fn fitting(path: &Trail<'_>, variants: &'static [&'static str]) -> &'static [&'static str] {
+    let field = path.last_field();
+    match field.is_some_and(|field| OPERANDS.contains(&field)) {
+        true => SOLIDS,
+        false => variants,
+    }
+}
+
 /// Returns true if one of the variants names something that is defined elsewhere.
 fn has_names(variants: &[&str]) -> bool {
     variants.contains(&NAMED)
@@ -216,6 +230,16 @@ fn no_variant(
             diagnostic.with_help(format!(
                 "a variant is an object with one key, its name: `{{\"{name}\": {{…}}}}`"
             ))
+        }
+        _ if kind == Kind::List => {
+            let fix = fix::alone(document, id);
+            let help = match (path.last_field(), &fix) {
+                (Some("of"), Some(_)) => "`of` is one solid: write it without the square brackets",
+                (Some("of"), None) => "`of` is one solid; `Union(of: […])` is one of several",
+                (_, Some(_)) => "write it without the square brackets",
+                (_, None) => return diagnostic,
+            };
+            diagnostic.with_help(help).with_fix(fix)
         }
         _ => diagnostic,
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{Found, solid::is_covered};
+use super::{Found, StandIns, solid::is_covered};
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
@@ -50,6 +50,7 @@ impl Found {
         model: &Model,
         names: &HashSet<&str>,
         at: Ordinal,
+        stand_ins: &StandIns,
     ) {
         let surface = geometry.surface();
         self.color_by(geometry, at, model);
@@ -63,7 +64,7 @@ impl Found {
                 material: Some(material),
             } => {
                 if color.is_some() {
-                    self.one_of_color_and_material(geometry, at, model);
+                    self.one_of_color_and_material(geometry, at, model, stand_ins);
                 }
                 let path = || model.path_of(at).field("material");
                 let name = material.named().filter(|name| !names.contains(name));
@@ -72,17 +73,23 @@ impl Found {
                 }
                 self.material(material, path);
             }
-            Surface { .. } => self.one_of_color_and_material(geometry, at, model),
+            Surface { .. } => self.one_of_color_and_material(geometry, at, model, stand_ins),
         }
     }
 
-    fn one_of_color_and_material(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+    fn one_of_color_and_material(
+        &mut self,
+        geometry: &GeometryModel,
+        at: Ordinal,
+        model: &Model,
+        stand_ins: &StandIns,
+    ) {
         let is_given = geometry.surface().color.is_some();
         // The rows of a table and the vertices of a mesh in a file may have colors; `tables.rs` and
         // `meshes.rs` report those without.
         // The parts of a solid may have that of the whole, and the whole needs none if they all have
         // their own.
-        let is_covered = geometry.operation().is_some() && is_covered(geometry);
+        let is_covered = geometry.operation().is_some() && is_covered(geometry, at, stand_ins);
         let is_part = || model.is_operand(at);
         let needs_none = geometry.may_have_colors() || !geometry.has_surface() || is_covered;
         if (!is_given && (needs_none || is_part())) || self.tally.only_counts(Code::OneOf) {

@@ -113,7 +113,7 @@ pub(crate) fn problems(
             continue;
         }
         found.geometry(geometry, at, model);
-        found.surface(geometry, model, &materials, at);
+        found.surface(geometry, model, &materials, at, stand_ins);
         match geometry {
             GeometryModel::Instances(instances) => copies.push((at, &**instances)),
             _ if geometry.operation().is_some() => found.solid(geometry, at, model),
@@ -163,6 +163,16 @@ impl StandIns {
     #[inline]
     fn has(&self, at: Ordinal) -> bool {
         self.0.binary_search(&at).is_ok()
+    }
+
+    /// Returns true if a geometry or one inside of it is a stand-in.
+    fn has_part_of(&self, at: Ordinal, geometry: &GeometryModel) -> bool {
+        let next = self.0.partition_point(|stand_in| *stand_in < at);
+        let last = at.inner + geometry.total() - 1;
+        let mut behind = self.0.iter().skip(next);
+        behind
+            .next()
+            .is_some_and(|next| next.index == at.index && next.inner <= last)
     }
 }
 

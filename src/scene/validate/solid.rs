@@ -1,6 +1,6 @@
 //! Checks of solids that are put together from others.
 
-use super::Found;
+use super::{Found, StandIns};
 use crate::{
     diagnostic::Code,
     scene::{
@@ -9,7 +9,6 @@ use crate::{
                 GeometryModel,
                 nesting::{Inside, Ordinal},
             },
-            material::Surface,
             scene::Model,
         },
         problem::{Focus, Problem},
@@ -45,27 +44,13 @@ impl Found {
     }
 
     fn operand(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
-        let what = match geometry {
-            GeometryModel::Plane(_)
-            | GeometryModel::Sphere(_)
-            | GeometryModel::Box(_)
-            | GeometryModel::Capsule(_)
-            | GeometryModel::Ellipsoid(_)
-            | GeometryModel::Union(_)
-            | GeometryModel::Intersection(_)
-            | GeometryModel::Difference(_) => return,
-            GeometryModel::Cylinder(cylinder) => {
+        let what = match (geometry, no_solid(geometry)) {
+            (_, Some(what)) => what,
+            (GeometryModel::Cylinder(cylinder), _) => {
                 return self.open(cylinder.capped, "cylinder", at, model);
             }
-            GeometryModel::Cone(cone) => return self.open(cone.capped, "cone", at, model),
-            GeometryModel::Disc(_) => "a disc",
-            GeometryModel::Rectangle(_) => "a rectangle",
-            GeometryModel::Triangle(_) => "a triangle",
-            GeometryModel::Mesh(_) => "a mesh",
-            GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table",
-            GeometryModel::Part(_) => "a part",
-            GeometryModel::Group(_) => "a group",
-            GeometryModel::Instances(_) => "a list of instances",
+            (GeometryModel::Cone(cone), _) => return self.open(cone.capped, "cone", at, model),
+            _ => return,
         };
         let message = format!("{what} is not a solid");
         let path = model.path_of(at);
@@ -82,7 +67,42 @@ impl Found {
     }
 }
 
-/// Returns true if each part of a solid has a surface, its own or one of a solid around it.
-pub(super) fn is_covered(solid: &GeometryModel) -> bool {
-    solid.surfaces().iter().all(Surface::is_given)
+/// Returns the kind of a geometry in words, if it is not a solid, open or closed.
+const fn no_solid(geometry: &GeometryModel) -> Option<&'static str> {
+    Some(match geometry {
+        GeometryModel::Plane(_)
+        | GeometryModel::Sphere(_)
+        | GeometryModel::Box(_)
+        | GeometryModel::Cylinder(_)
+        | GeometryModel::Cone(_)
+        | GeometryModel::Capsule(_)
+        | GeometryModel::Ellipsoid(_)
+        | GeometryModel::Union(_)
+        | GeometryModel::Intersection(_)
+        | GeometryModel::Difference(_) => return None,
+        GeometryModel::Disc(_) => "a disc",
+        GeometryModel::Rectangle(_) => "a rectangle",
+        GeometryModel::Triangle(_) => "a triangle",
+        GeometryModel::Mesh(_) => "a mesh",
+        GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table",
+        GeometryModel::Part(_) => "a part",
+        GeometryModel::Group(_) => "a group",
+        GeometryModel::Instances(_) => "a list of instances",
+    })
+}
+
+/// Returns true if each part of a solid has a surface, its own or one of a solid around it. One that is
+/// missing or is not a solid has a fault of its own.
+pub(super) fn is_covered(solid: &GeometryModel, at: Ordinal, stand_ins: &StandIns) -> bool {
+    let mut inner = at.inner + 1;
+    let mut operands = solid.inside().flat_map(|inside| inside.geometries);
+    solid.surface().is_given()
+        || operands.all(|operand| {
+            let at = Ordinal { inner, ..at };
+            inner += operand.total();
+            stand_ins.has(at)
+                || no_solid(operand).is_some()
+                || operand.surface().is_given()
+                || (operand.operation().is_some() && is_covered(operand, at, stand_ins))
+        })
 }

@@ -26,6 +26,26 @@ use crate::{
     },
 };
 
+/// The kinds of geometries that are solids: first the simple ones, then those that are put together.
+pub(crate) const SOLIDS: &[&str] = &[
+    "Plane",
+    "Sphere",
+    "Box",
+    "Cylinder",
+    "Cone",
+    "Capsule",
+    "Ellipsoid",
+    "Union",
+    "Intersection",
+    "Difference",
+];
+
+/// The solids that are put together from others.
+pub(crate) const COMBINED: &[&str] = SOLIDS.split_at(SOLIDS.len() - 3).1;
+
+/// The fields of solids with the solids inside.
+pub(crate) const OPERANDS: &[&str] = &["of", "minus"];
+
 /// All points that are in some of several solids.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Union", deny_unknown_fields)]
