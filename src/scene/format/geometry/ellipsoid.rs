@@ -178,7 +178,10 @@ mod tests {
                 assert!((factor - 1.0).abs() < 1e-8, "{cure}");
             }
         }
-        let flat = [x, x + 1e-17 * y, z];
-        assert_eq!(cure(flat), "give three directions at right angles");
+        // Nothing is left of the second axis, or only rounding errors.
+        let along = DVec3::new(0.1, 0.2, 0.3);
+        for axes in [[x, 2.0 * x, z], [along, 7.0 * along, z]] {
+            assert_eq!(cure(axes), "give three directions at right angles");
+        }
     }
 }
