@@ -127,7 +127,7 @@ impl Found {
             let is_clear = self.is_lit && geometry.has_glass();
             match geometry.shape().standing(eye.point) {
                 Standing::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
-                    inside = (!is_clear).then(|| geometry.shape().kind());
+                    inside = (!is_clear).then(|| geometry.shape().kind_of_one());
                 }
                 Standing::EdgeOn(what) => edge_on = edge_on.or(Some(what)),
                 Standing::Inside(..) | Standing::Free => {}

@@ -206,14 +206,14 @@ impl Found {
                     |geometry: &Geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass();
                 let mut kind = None;
                 let mut see = |geometry: &Geometry| {
-                    kind = is_it(geometry).then(|| geometry.shape().kind());
+                    kind = is_it(geometry).then(|| geometry.shape().kind_of_one());
                     kind.is_some()
                 };
                 if let Some(part) = tables.part(leaf.at) {
                     part.geometries.iter().any(&mut see);
                 } else if let Some(instances) = tables.instances(leaf.at) {
                     let all = instances.placed(&leaf.placement).and_then(Result::ok);
-                    return all.iter().any(&mut see).then_some("copy");
+                    all.iter().any(&mut see);
                 }
                 kind
             }

@@ -285,6 +285,14 @@ impl Shape {
         [end(-1.0, low), end(1.0, high)]
     }
 
+    /// Returns the name of the kind of shape, or of one of those that it is: a copy.
+    pub(crate) fn kind_of_one(&self) -> &'static str {
+        match self.about() {
+            (_, Faces::Copies) => "copy",
+            (kind, _) => kind,
+        }
+    }
+
     /// Returns the kind of faces.
     #[inline]
     pub(crate) fn faces(&self) -> Faces {

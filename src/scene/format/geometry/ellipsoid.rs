@@ -140,7 +140,7 @@ fn cure(axes: [DVec3; 3]) -> String {
 /// Rounds each number of a vector to about a billionth of its length.
 fn rounded(vector: DVec3) -> DVec3 {
     const DIGITS: i32 = 9;
-    let exponent = |x: f64| x.abs().log10().floor() as i32;
+    let exponent = |x: f64| libm::log10(x.abs()).floor() as i32;
     let longest = exponent(vector.length());
     vector.map(|x| {
         // That of 0 is the smallest of all numbers.
