@@ -55,6 +55,7 @@ const SKIPPED: [&[u8]; 33] = [
 ];
 
 pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
+    file.skip_mark()?;
     let mut reader = Reader {
         mesh: MeshFile::default(),
         has_colors: request.colors && request.value.is_none(),
@@ -83,8 +84,8 @@ struct Reader {
 impl Reader {
     #[inline(always)]
     fn statement(&mut self, line: u64, text: &[u8]) -> Result<(), ReadError> {
-        let is_space = |byte: &u8| byte.is_ascii_whitespace() || *byte == CONTINUATION;
-        let mut words = text.split(is_space).filter(|word| !word.is_empty());
+        let words = text.split(u8::is_ascii_whitespace);
+        let mut words = words.filter(|word| !word.is_empty());
         let Some(keyword) = words.next() else {
             return Ok(());
         };

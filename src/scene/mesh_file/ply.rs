@@ -14,7 +14,7 @@ use crate::{
     scene::{
         mesh_file::{Flaw, MeshFile, Request, reserve, stream::Stream},
         table::{
-            self, Fault, ReadError,
+            Fault, ReadError,
             layout::{COLORS, Endian, VALUE},
             ply::{
                 Selection, VERTEX,
@@ -44,14 +44,7 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     };
     file.skip(header.end, header.lines);
     let vertex = header.vertex()?;
-    let wanted = table::Request {
-        value: request.value,
-        ..table::Request::default()
-    };
-    let mut selection = Selection::new(vertex, &wanted)?;
-    if !request.colors {
-        selection.columns[COLORS].fill(None);
-    }
+    let selection = Selection::of_corners(vertex, request.colors, request.value)?;
     let corners = corners(&header)?;
     let mut mesh = MeshFile {
         names: selection.names.clone(),

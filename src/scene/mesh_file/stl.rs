@@ -12,7 +12,7 @@ use glam::DVec3;
 use crate::{
     scene::{
         mesh_file::{Flaw, MeshFile, join::Joined, push, reserve, stream::Stream},
-        table::{Fault, ReadError},
+        table::{Fault, ReadError, bytes::BYTE_ORDER_MARK},
     },
     text::nearest::{list, quote},
     tracer::shape::mesh::MeshGroup,
@@ -51,6 +51,7 @@ pub(super) fn read(mut file: Stream<impl Read>, length: u64) -> Result<MeshFile,
 }
 
 fn is_text(head: &[u8]) -> bool {
+    let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     let start = head.trim_ascii_start().first_chunk();
     let is_control = |byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     start.is_some_and(|start: &[u8; 5]| start.eq_ignore_ascii_case(b"solid"))
@@ -110,6 +111,7 @@ fn expected(state: State) -> String {
 }
 
 fn text(mut file: Stream<impl Read>) -> Result<MeshFile, ReadError> {
+    file.skip_mark()?;
     let mut mesh = MeshFile::default();
     let mut joined = Joined::default();
     let mut corners: Vec<u32> = Vec::new();

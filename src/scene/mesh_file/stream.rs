@@ -3,7 +3,10 @@
 
 use std::io::{self, Read};
 
-use crate::scene::table::{ReadError, bytes::shorter};
+use crate::scene::table::{
+    ReadError,
+    bytes::{BYTE_ORDER_MARK, LONGEST_LINE, longer, shorter},
+};
 
 /// The number of bytes read at once, small enough for the cache of a core.
 const PIECE: usize = if cfg!(test) { 64 } else { 1 << 18 };
@@ -86,9 +89,18 @@ impl<R: Read> Stream<R> {
         self.lines += lines;
     }
 
+    /// Skips a byte order mark at the start of a text.
+    pub(super) fn skip_mark(&mut self) -> Result<(), ReadError> {
+        self.have(BYTE_ORDER_MARK.len())?;
+        if self.bytes().starts_with(BYTE_ORDER_MARK) {
+            self.skip(BYTE_ORDER_MARK.len(), 0);
+        }
+        Ok(())
+    }
+
     /// Returns the next line with its number, without its end; `None` at the end of the file. Blank
-    /// lines are skipped. A `continuation` before a line end joins the next line, and stays in the
-    /// line as the ends do.
+    /// lines are skipped. A `continuation` at the end of a line joins the next, unless the line has a
+    /// comment; it becomes a space, and the ends stay in the line.
     pub(super) fn line(
         &mut self,
         continuation: Option<u8>,
@@ -98,6 +110,10 @@ impl<R: Read> Stream<R> {
             let (start, number) = (self.at, self.lines + 1);
             if start == self.buffer.len() {
                 return Ok(None);
+            }
+            if length > LONGEST_LINE {
+                let help = "lines end with LF or CRLF";
+                return Err(longer(number).help(help).into());
             }
             let has_end = start + length < self.buffer.len();
             self.skip(length + usize::from(has_end), ends);
@@ -109,27 +125,48 @@ impl<R: Read> Stream<R> {
         }
     }
 
-    /// Reads a whole line. Returns its length, without its end, and the number of ends in it.
+    /// Reads a whole line, or the start of one that is too long. Returns its length, without its end,
+    /// and the number of ends in it.
     fn line_length(&mut self, continuation: Option<u8>) -> Result<(usize, u64), ReadError> {
         let (mut searched, mut ends) = (0, 0);
         loop {
             let bytes = self.bytes();
             let new = bytes.get(searched..).unwrap_or_default();
-            let Some(end) = new.iter().position(|byte| *byte == b'\n') else {
-                searched = bytes.len();
-                if self.more()? {
-                    continue;
-                }
-                return Ok((searched, ends));
-            };
-            let end = searched + end;
-            ends += 1;
-            let line = bytes.get(..end).unwrap_or_default();
-            let last = line.strip_suffix(b"\r").unwrap_or(line).last();
-            if continuation.is_none() || last != continuation.as_ref() {
-                return Ok((end, ends));
+            let end = new.iter().position(|byte| *byte == b'\n');
+            let length = end.map_or(bytes.len(), |end| searched + end);
+            if end.is_none() && length <= LONGEST_LINE && self.more()? {
+                searched = length;
+                continue;
             }
-            searched = end + 1;
+            ends += u64::from(end.is_some());
+            let is_continued = self.join(length, continuation);
+            if end.is_none() || !is_continued {
+                return Ok((length, ends));
+            }
+            searched = length + 1;
         }
     }
+
+    /// Makes a `continuation` at the end of a line of this length a space; returns false if it has
+    /// none.
+    #[inline(always)]
+    fn join(&mut self, length: usize, continuation: Option<u8>) -> bool {
+        let line = self.bytes().get(..length).unwrap_or_default();
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        if continuation.is_none() || line.last() != continuation.as_ref() || has_comment(line) {
+            return false;
+        }
+        let last = self.at + line.len() - 1;
+        if let Some(byte) = self.buffer.get_mut(last) {
+            *byte = b' ';
+        }
+        true
+    }
+}
+
+/// Returns true if a word of a line starts with `#`.
+#[cold]
+fn has_comment(line: &[u8]) -> bool {
+    let mut words = line.split(u8::is_ascii_whitespace);
+    words.any(|word| word.starts_with(b"#"))
 }

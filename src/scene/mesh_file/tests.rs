@@ -1,6 +1,9 @@
 //! Mesh files of every kind, whole and broken.
 
-use std::fmt::Write as _;
+use std::{
+    fmt::Write as _,
+    io::{self, Read},
+};
 
 use glam::DVec3;
 
@@ -154,7 +157,7 @@ impl Shape {
     }
 
     fn obj(&self, has_colors: bool, rng: &mut Rng) -> Vec<u8> {
-        let mut text = "# made by a test \\\n continued\ng\n\n".to_owned();
+        let mut text = "# made by a test \\\ng\n\n".to_owned();
         for (at, color) in self.vertices.iter().zip(self.channels()) {
             let DVec3 { x, y, z } = at;
             let [r, g, b] = color;
@@ -632,6 +635,167 @@ fn zeros_of_both_signs_are_one_point() {
     assert_eq!(
         (mesh.groups[1].name.as_str(), mesh.groups[1].first),
         ("more", 2)
+    );
+}
+
+/// A byte order mark at the start of a text.
+const MARK: &[u8] = "\u{feff}".as_bytes();
+
+#[test]
+fn no_line_takes_the_size_of_the_file() {
+    let longer = "is longer than 1 MiB; lines end with LF or CRLF";
+    let blank = " ".repeat(100);
+    for (start, format, expected) in [
+        ("v 0 0 0\n#", Format::Obj, format!("line 2 {longer}")),
+        ("v 0 0 \\\n\\\n", Format::Obj, format!("line 1 {longer}")),
+        (
+            &format!("solid x\n{blank}"),
+            Format::Stl,
+            format!("line 2 {longer}"),
+        ),
+        (
+            "ply\nformat ascii 1.0\ncomment ",
+            Format::Ply,
+            "the header is longer than 1 MiB: there is no line `end_header` in it".to_owned(),
+        ),
+    ] {
+        let length = 1 << 26;
+        let mut rest = io::repeat(0).take(length - start.len() as u64);
+        let file = start.as_bytes().chain(&mut rest);
+        let read = MeshFile::read(file, length, format, &Request::default());
+        let Err(ReadError::Invalid(fault)) = read else {
+            panic!("{read:?}");
+        };
+        let help = fault.help.map(|help| format!("; {help}"));
+        assert_eq!(fault.message + &help.unwrap_or_default(), expected);
+        assert!(rest.limit() > length - (1 << 22), "{start}");
+    }
+    // A line of the greatest length is read.
+    let comment = |length: usize| {
+        let text = format!("#{}\nv 0 0 0\nf 1 1 1", "x".repeat(length - 1));
+        faults(text.as_bytes(), Format::Obj)
+    };
+    assert_eq!(
+        comment(1 << 20),
+        ["triangle 0 has no area and is never hit"]
+    );
+    assert_eq!(comment(1 + (1 << 20)), [format!("line 1 {longer}")]);
+}
+
+#[test]
+fn colors_that_are_not_wanted_are_not_read() {
+    let file = |colors: &str, row: &str| {
+        let corners = ["0 0 0", "1 0 0", "0 1 0"].map(|at| format!("{at} {row}\n"));
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty \
+             float z\n{colors}element face 1\nproperty list uchar int vertex_index\nend_header\n{}3 \
+             0 1 2\n",
+            corners.concat()
+        )
+    };
+    let wide = "property ushort red\nproperty ushort green\nproperty ushort blue\n";
+    for (colors, row, fault) in [
+        (
+            wide,
+            "1 2 3",
+            "the type of the color does not determine its range; channels are `uchar`, 0 to 255, or \
+             `float`, 0 to 1",
+        ),
+        (
+            "property uchar red\n",
+            "1",
+            "of the properties `red`, `green` and `blue` only some are given; give all three, or none",
+        ),
+        (
+            "property list uchar int red\n",
+            "1 5",
+            "of the properties `red`, `green` and `blue` only some are given; give all three, or none",
+        ),
+        // Only spheres have a radius.
+        ("property list uchar int radius\n", "2 5 4", ""),
+    ] {
+        let text = file(colors, row);
+        let request = Request::default();
+        let mesh = MeshFile::read(text.as_bytes(), text.len() as u64, Format::Ply, &request);
+        let mesh = mesh.unwrap();
+        assert_eq!((mesh.triangles.len(), mesh.colors.len()), (1, 0));
+        assert_eq!(mesh.notes, []);
+        let faults = faults(text.as_bytes(), Format::Ply);
+        assert_eq!(faults.first().map_or("", String::as_str), fault);
+    }
+    let text = file(wide, "7 8 9");
+    let mesh = try_read(text.as_bytes(), Format::Ply, Some("red")).unwrap();
+    assert_eq!(mesh.values, [7.0; 3]);
+}
+
+#[test]
+fn comments_have_any_encoding() {
+    let with = |line: &[u8]| {
+        let text = ply(&CORNERS, &["3 0 1 2"]).into_bytes();
+        let (format, rest) = text.split_at("ply\nformat ascii 1.0\n".len());
+        [format, line, b"\n", rest].concat()
+    };
+    for line in [
+        &b"comment cr\xe9\xe9"[..],
+        b"obj_info \xff\xfe",
+        b"\tcomment \xe9\r",
+    ] {
+        assert_eq!(read(&with(line), Format::Ply).triangles, [[0, 1, 2]]);
+    }
+    assert_eq!(
+        faults(&with(b"property float \xe9"), Format::Ply),
+        ["line 3: `property float \u{fffd}` is not UTF-8"]
+    );
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let shape = Shape::random(&mut Rng(3));
+    let mut rng = Rng(4);
+    let texts = [
+        (shape.obj(true, &mut rng), Format::Obj),
+        (shape.text_stl(), Format::Stl),
+        (
+            shape.ply(Encoding::Ascii, true, "uchar", "int"),
+            Format::Ply,
+        ),
+        (shape.ply(Encoding::Big, true, "uchar", "int"), Format::Ply),
+    ];
+    for (bytes, format) in texts {
+        let marked = read(&[MARK, &bytes].concat(), format);
+        let plain = read(&bytes, format);
+        assert_eq!(marked.vertices, plain.vertices);
+        assert_eq!(marked.triangles, plain.triangles);
+        // Only one, and only at the start.
+        assert!(!faults(&[MARK, MARK, &bytes].concat(), format).is_empty());
+    }
+    for format in [Format::Ply, Format::Obj, Format::Stl] {
+        assert!(!faults(MARK, format).is_empty());
+    }
+}
+
+#[test]
+fn only_a_backslash_at_the_end_of_a_line_continues_it() {
+    let corners = "v 1 0 0\nv 0 1 0\n";
+    for (lines, group) in [
+        ("# C:\\models\\\nv 0 0 0\n", None),
+        ("v 0 0 0 # C:\\models\\\r\n", None),
+        ("v \\\n0\\\r\n0 0 # a \\\n", None),
+        ("v 0 0 0\ng a\\b \\c d\\ e\\\nf\n", Some("a\\b \\c d\\ e f")),
+        ("v 0 0 0\no #1\n", Some("#1")),
+    ] {
+        let mesh = read(
+            format!("{lines}{corners}f 1 2 3 \\").as_bytes(),
+            Format::Obj,
+        );
+        assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::Y], "{lines}");
+        assert_eq!(mesh.triangles, [[0, 1, 2]]);
+        let names = mesh.groups.iter().map(|group| group.name.as_str()).next();
+        assert_eq!(names, group);
+    }
+    assert_eq!(
+        faults(b"v 0 0 \\ 0\nv 0 0 0\nf 1 1 1\n", Format::Obj),
+        ["line 1: `\\` is not a number"]
     );
 }
 

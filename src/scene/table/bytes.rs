@@ -14,7 +14,10 @@ use crate::scene::table::{Fault, ReadError};
 const PIECE: usize = if cfg!(test) { 318 } else { 1 << 18 };
 
 /// The longest line of a text.
-const LONGEST_LINE: usize = 1 << 20;
+pub(crate) const LONGEST_LINE: usize = 1 << 20;
+
+/// The start of some texts, which is not a part of their first line.
+pub(crate) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// The bytes that a table is decoded from.
 pub(super) enum Bytes {
@@ -47,9 +50,13 @@ pub(super) fn check_lines(text: &[u8], before: usize) -> Result<(), Fault> {
     lines
         .find(|(_, line)| line.len() > LONGEST_LINE)
         .map_or(Ok(()), |(line, _)| {
-            let message = format!("line {line} is longer than 1 MiB");
-            Err(Fault::new(message).help("a row of a table is one line"))
+            Err(longer(line as u64).help("a row of a table is one line"))
         })
+}
+
+/// The fault of a line longer than the longest.
+pub(crate) fn longer(line: u64) -> Fault {
+    Fault::new(format!("line {line} is longer than 1 MiB"))
 }
 
 /// A clone is made to be written to, so it holds rows.

@@ -14,7 +14,7 @@ use crate::{
         format::color::ColorModel,
         table::{
             Fault, ReadError, Request, Rows, Table, Wrong,
-            bytes::{check_lines, read_bytes},
+            bytes::{BYTE_ORDER_MARK, LONGEST_LINE, check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
             layout::{RADIUS, VALUE},
@@ -55,9 +55,10 @@ pub(super) fn read(
         None => header_of(text, request),
     };
     let mut found = header_of(&text);
-    let is_whole = matches!(found, Ok((_, body)) if body < text.len());
-    if !is_whole && text.len() < length {
-        text.append(&mut read_bytes(&mut reader, length - text.len())?);
+    while !matches!(found, Ok((_, body)) if body < text.len()) && text.len() < length {
+        // A line that does not end is refused before the rest of the file is read.
+        let piece = text.len().max(LONGEST_LINE).min(length - text.len());
+        text.append(&mut read_bytes(&mut reader, piece)?);
         check_lines(&text, 0)?;
         found = header_of(&text);
     }
@@ -69,12 +70,11 @@ pub(super) fn read(
     let records = text.split_off(body.min(text.len()));
     let mut rows = Rows::new();
     let blocks = Blocks::new(reader, left, records);
-    let rest = plain::read(blocks, &header, request, &mut rows, &pool(length))?;
-    // Each of these rows has one line.
     let before = line_ends(&text);
+    let rest = plain::read(blocks, before, &header, request, &mut rows, &pool(length))?;
+    // Each of these rows has one line.
     let mut lines = before + rows.rows;
     if !rest.is_empty() {
-        check_lines(&rest, lines)?;
         read_rest(&rest, lines, &header, request, &mut rows)?;
         lines += line_ends(&rest) - usize::from(rest.ends_with(b"\n"));
     }
@@ -87,9 +87,6 @@ pub(super) fn read(
 fn line_ends(text: &[u8]) -> usize {
     text.iter().filter(|byte| **byte == b'\n').count()
 }
-
-/// The start of some texts, which is not a part of their first cell.
-const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Returns the header at the start of a text, and its end.
 fn header_of(text: &[u8], request: &Request) -> Result<(Header, usize), ReadError> {

@@ -10,8 +10,9 @@ use std::io::{self, Read};
 
 use crate::{
     scene::table::{
-        Fault, Names, ReadError, Request, Rows, Table, Wrong, atoms::elements::Element,
-        bytes::read_bytes,
+        Fault, Names, ReadError, Request, Rows, Table, Wrong,
+        atoms::elements::Element,
+        bytes::{BYTE_ORDER_MARK, read_bytes},
     },
     text::nearest::quote,
 };
@@ -164,8 +165,9 @@ fn text(reader: impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
     read_bytes(reader, length)
 }
 
-/// Returns the lines of a text with their numbers, without their ends.
+/// Returns the lines of a text with their numbers, without their ends and without a byte order mark.
 fn lines(text: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let text = text.strip_suffix(b"\n").unwrap_or(text);
     let lines = text.split(|byte| *byte == b'\n');
     (1..).zip(lines.map(|line| line.strip_suffix(b"\r").unwrap_or(line)))

@@ -22,7 +22,7 @@ pub(in super::super) fn read(
     let mut lines = lines(&text);
     let (_, first) = lines.next().unwrap_or_default();
     let first = String::from_utf8_lossy(first);
-    let first = first.trim_start_matches('\u{feff}').trim();
+    let first = first.trim();
     let count: usize = first.parse().map_err(|_| {
         let message = format!("line 1: {} is not the number of atoms", quote(first));
         Fault::new(message)

@@ -6,7 +6,10 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use crate::scene::table::{ReadError, bytes::shorter};
+use crate::scene::table::{
+    ReadError,
+    bytes::{LONGEST_LINE, shorter},
+};
 
 /// Number of bytes read at once, small enough for the cache of a core.
 const BLOCK: usize = if cfg!(test) { 64 } else { 1 << 17 };
@@ -46,9 +49,12 @@ impl<R: Read> Blocks<R> {
         }
     }
 
-    /// The next block, which is empty at the end of the file.
+    /// The next block, which is empty at the end of the file. One that does not end with a line is the
+    /// last, or its last line is too long.
     pub(super) fn next(&mut self, spare: &Spare<Vec<u8>>) -> Result<Vec<u8>, ReadError> {
-        while self.left > 0 {
+        let end = self.bytes.iter().rposition(|byte| *byte == b'\n');
+        let line = end.map_or(0, |end| end + 1);
+        while self.left > 0 && self.bytes.len() - line <= LONGEST_LINE {
             let (before, size) = (self.bytes.len(), self.left.min(BLOCK));
             self.bytes.try_reserve(size).map_err(io::Error::from)?;
             let mut piece = self.reader.by_ref().take(size as u64);

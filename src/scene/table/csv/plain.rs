@@ -13,10 +13,11 @@ use crate::{
     parallel::Pool,
     scene::table::{
         Defaults, Empty, ReadError, Request, Rows,
+        bytes::{LONGEST_LINE, check_lines},
         csv::{
             Header,
             blocks::{Blocks, Spare},
-            hex,
+            hex, line_ends,
         },
         layout::{COLORS, RADIUS, Scalar, VALUE},
     },
@@ -66,9 +67,10 @@ struct Part {
 }
 
 /// Reads records up to the first unknown one, and returns the text from the line end before that
-/// one on; empty if all are known.
+/// one on; empty if all are known. `before` is the number of lines before the first record.
 pub(super) fn read(
     mut blocks: Blocks<impl Read + Send>,
+    before: usize,
     header: &Header,
     request: &Request,
     rows: &mut Rows,
@@ -95,6 +97,11 @@ pub(super) fn read(
     let ahead = pool.threads() * BLOCKS_PER_THREAD;
     pool.in_order(blocks, ahead, make, |made| {
         let (block, part) = made?;
+        if block.len() > LONGEST_LINE {
+            // Each of the rows has one line, and the rest starts with the end of the last one.
+            let lines = before + rows.rows + line_ends(&rest).saturating_sub(1);
+            check_lines(&block, lines)?;
+        }
         let mut unknown = block.as_slice();
         if rest.is_empty() {
             rows.append(&part.bytes, part.rows, &part.empty)?;
@@ -323,7 +330,7 @@ mod tests {
                 let text = format!("{record}{line_end}").repeat(20);
                 let mut rows = Rows::new();
                 let blocks = Blocks::new(text.as_bytes(), text.len(), Vec::new());
-                let rest = read(blocks, &header, &request, &mut rows, &Pool::Calling);
+                let rest = read(blocks, 0, &header, &request, &mut rows, &Pool::Calling);
                 assert_eq!((rest.unwrap(), rows.rows), (Vec::new(), 20), "{text:?}");
             }
         }

@@ -1,7 +1,7 @@
 //! The header of a PLY file: elements, each with its properties, in the order of the file.
 
 use crate::{
-    scene::table::{Fault, layout::Scalar, ply::VERTEX},
+    scene::table::{Fault, bytes::BYTE_ORDER_MARK, layout::Scalar, ply::VERTEX},
     text::nearest::quote,
 };
 
@@ -56,6 +56,9 @@ impl Element {
     }
 }
 
+/// The longest header.
+const LONGEST: usize = 1 << 20;
+
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Header {
     pub(crate) encoding: Encoding,
@@ -79,14 +82,16 @@ impl Header {
         Fault::new("the header has no end: there is no line `end_header`")
     }
 
-    /// Parses the lines up to `end_header`; `None` if these bytes do not contain it.
+    /// The fault of a file whose header goes on and on.
+    fn longer() -> Fault {
+        Fault::new("the header is longer than 1 MiB: there is no line `end_header` in it")
+    }
+
+    /// Parses the lines up to `end_header`; `None` if these bytes, the first of a file, do not contain
+    /// it.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Option<Self>, Fault> {
-        let mut lines = Lines {
-            bytes,
-            at: 0,
-            count: 0,
-        };
-        if lines.next().is_none_or(|line| line != "ply") {
+        let mut lines = Lines::new(bytes);
+        if lines.next().is_none_or(|line| line != b"ply") {
             let fault = Fault::new("not a PLY file");
             return Err(fault.help("its first line is `ply`"));
         }
@@ -94,9 +99,19 @@ impl Header {
         let mut elements: Vec<Element> = Vec::new();
         loop {
             let Some(line) = lines.next() else {
-                return Ok(None);
+                return match bytes.len() {
+                    0..LONGEST => Ok(None),
+                    _ => Err(Self::longer()),
+                };
             };
             let number = lines.count;
+            if is_comment(line) {
+                continue;
+            }
+            let line = str::from_utf8(line).map_err(|_| {
+                let line = quote(&String::from_utf8_lossy(line));
+                Fault::new(format!("line {number}: {line} is not UTF-8"))
+            })?;
             let wrong = || {
                 let line = quote(line);
                 Fault::new(format!("line {number}: {line} is not a header line"))
@@ -104,7 +119,6 @@ impl Header {
             let words: Vec<_> = line.split_ascii_whitespace().collect();
             match words.as_slice() {
                 ["end_header"] => break,
-                [] | ["comment" | "obj_info", ..] => {}
                 ["format", name, "1.0"] if encoding.is_none() => {
                     encoding = Some(match *name {
                         "ascii" => Encoding::Ascii,
@@ -179,6 +193,13 @@ fn list(length: &str, item: &str) -> Option<Type> {
     Some(Type::List { length, item })
 }
 
+/// Returns true for a line that says nothing, which may have any encoding.
+fn is_comment(line: &[u8]) -> bool {
+    let mut words = line.split(u8::is_ascii_whitespace);
+    let first = words.find(|word| !word.is_empty());
+    matches!(first, None | Some(b"comment" | b"obj_info"))
+}
+
 /// The lines of a header, which may be followed by arbitrary bytes.
 struct Lines<'a> {
     bytes: &'a [u8],
@@ -187,13 +208,23 @@ struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Returns the next line, without its end; `None` if it is incomplete or not text.
-    fn next(&mut self) -> Option<&'a str> {
+    /// Skips a byte order mark, and whatever is behind the longest header.
+    fn new(bytes: &'a [u8]) -> Self {
+        let has_mark = bytes.starts_with(BYTE_ORDER_MARK);
+        Self {
+            bytes: bytes.get(..LONGEST).unwrap_or(bytes),
+            at: if has_mark { BYTE_ORDER_MARK.len() } else { 0 },
+            count: 0,
+        }
+    }
+
+    /// Returns the next line, without its end; `None` if it is incomplete.
+    fn next(&mut self) -> Option<&'a [u8]> {
         let rest = self.bytes.get(self.at..)?;
         let end = rest.iter().position(|byte| *byte == b'\n')?;
         self.at += end + 1;
         self.count += 1;
-        let line = std::str::from_utf8(rest.get(..end)?).ok()?;
-        Some(line.strip_suffix('\r').unwrap_or(line))
+        let line = rest.get(..end)?;
+        Some(line.strip_suffix(b"\r").unwrap_or(line))
     }
 }

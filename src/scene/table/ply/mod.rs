@@ -8,14 +8,14 @@ pub(crate) mod ascii;
 mod binary;
 pub(crate) mod header;
 
-use std::io::Read;
+use std::io::{Cursor, Read};
 
 use header::{Element, Encoding, Header, Type};
 
 use crate::{
     scene::table::{
         Fault, ReadError, Request, Table,
-        bytes::Reading,
+        bytes::{Reading, read_bytes},
         layout::{COLORS, Columns, Endian, Scalar},
         select::{self, Known, Names},
     },
@@ -25,39 +25,48 @@ use crate::{
 /// The element that is read.
 pub(crate) const VERTEX: &str = "vertex";
 
-/// The properties of a vertex.
-pub(super) const KNOWN: Known = Known {
-    columns: [
-        Some("x"),
-        Some("y"),
-        Some("z"),
-        None,
-        None,
-        None,
-        Some("radius"),
-        Some("red"),
-        Some("green"),
-        Some("blue"),
-    ],
-    hex: None,
-    columns_word: "properties",
-    missing: "the element `vertex` has no property",
-    rotation: &[],
-};
+/// Size of the start of a file that contains the header, except for long ones.
+const HEAD: usize = if cfg!(test) { 318 } else { 1 << 16 };
 
-pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<Table, ReadError> {
+/// The properties of a vertex that is a sphere.
+pub(super) const KNOWN: Known = known(Some("radius"), COLOR);
+
+/// The channels of the color of a vertex.
+const COLOR: [Option<&str>; 3] = [Some("red"), Some("green"), Some("blue")];
+
+/// Returns the properties of a vertex with or without a radius and a color.
+const fn known(radius: Option<&'static str>, color: [Option<&'static str>; 3]) -> Known {
+    let [red, green, blue] = color;
+    Known {
+        columns: [
+            Some("x"),
+            Some("y"),
+            Some("z"),
+            None,
+            None,
+            None,
+            radius,
+            red,
+            green,
+            blue,
+        ],
+        hex: None,
+        columns_word: "properties",
+        missing: "the element `vertex` has no property",
+        rotation: &[],
+    }
+}
+
+pub(super) fn read(
+    mut reader: impl Read,
+    length: u64,
+    request: &Request,
+) -> Result<Table, ReadError> {
     request.refuse_columns("the header of a PLY file names its properties")?;
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    let mut file = Reading::new(reader, length)?;
-    file.more()?;
-    let mut header = Header::parse(file.bytes())?;
-    if header.is_none() {
-        // The header is long, or has no end.
-        while file.more()? {}
-        header = Header::parse(file.bytes())?;
-    }
-    let header = header.ok_or_else(Header::endless)?;
-    let selection = Selection::new(header.vertex()?, request)?;
+    let (header, head) = read_header(&mut reader, length)?;
+    let selection = Selection::of_spheres(header.vertex()?, request)?;
+    let file = Reading::new(head.chain(reader), length)?;
     let endian = match header.encoding {
         Encoding::Ascii => {
             return ascii::read(&file.finish()?, &header, &selection, &request.defaults);
@@ -66,6 +75,22 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
         Encoding::BinaryBigEndian => Endian::Big,
     };
     binary::read(file, &header, endian, &selection, &request.defaults)
+}
+
+/// Reads the header of a file of this length, and returns it with all bytes that were read.
+fn read_header(
+    reader: &mut impl Read,
+    length: usize,
+) -> Result<(Header, Cursor<Vec<u8>>), ReadError> {
+    let mut head = Vec::new();
+    while head.len() < length {
+        let piece = HEAD.max(head.len()).min(length - head.len());
+        head.append(&mut read_bytes(&mut *reader, piece)?);
+        if let Some(header) = Header::parse(&head)? {
+            return Ok((header, Cursor::new(head)));
+        }
+    }
+    Err(Header::endless().into())
 }
 
 /// A property that is read: its index, its type and the divisor of its values.
@@ -83,13 +108,33 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    pub(crate) fn new(vertex: &Element, request: &Request) -> Result<Self, Fault> {
+    /// Selects the properties of spheres.
+    fn of_spheres(vertex: &Element, request: &Request) -> Result<Self, Fault> {
+        Self::new(vertex, &KNOWN, request)
+    }
+
+    /// Selects the properties of the corners of triangles: their colors if these are wanted, and the
+    /// property whose values determine the colors.
+    pub(crate) fn of_corners(
+        vertex: &Element,
+        has_colors: bool,
+        value: Option<&str>,
+    ) -> Result<Self, Fault> {
+        let color = if has_colors { COLOR } else { [None; 3] };
+        let request = Request {
+            value,
+            ..Request::default()
+        };
+        Self::new(vertex, &known(None, color), &request)
+    }
+
+    fn new(vertex: &Element, known: &Known, request: &Request) -> Result<Self, Fault> {
         let names: Vec<_> = vertex
             .properties
             .iter()
             .map(|each| each.name.as_str())
             .collect();
-        let selection = select::Selection::new(&names, &KNOWN, request)?;
+        let selection = select::Selection::new(&names, known, request)?;
         let mut columns = [None; _];
         for (at, (column, place)) in columns.iter_mut().zip(selection.places).enumerate() {
             let property = place.and_then(|index| Some((index, vertex.properties.get(index)?)));

@@ -1,6 +1,11 @@
-use std::fmt::Write as _;
+use std::{
+    fmt::Write as _,
+    io::{self, Read},
+};
 
-use super::{DEFAULTS, Defaults, Format, Request, Table, rows, spheres_of, survives_faults, table};
+use super::{
+    DEFAULTS, Defaults, Format, ReadError, Request, Table, rows, spheres_of, survives_faults, table,
+};
 use crate::{
     parallel::Pool,
     tracer::random::{Rng, cases},
@@ -168,6 +173,38 @@ fn all_unreadable_rows_are_reported_at_once() {
     ];
     assert_eq!(described, expected);
     assert_eq!((table.rows(), table.bad().len()), (5, 1));
+}
+
+#[test]
+fn a_line_without_end_is_not_read_to_the_end_of_the_file() {
+    let usual = "0,0,0,a\n".repeat(40);
+    let quoted = "\"0\",0,0,a\n".repeat(40);
+    for (start, line) in [
+        ("x,y,".to_owned(), 1),
+        ("x,y,z,a\n".to_owned(), 2),
+        (format!("x,y,z,a\n{usual}0,0,0,"), 42),
+        (format!("x,y,z,a\r\n{usual}{quoted}{usual}0,0,0,"), 122),
+    ] {
+        let length = 1 << 26;
+        let mut rest = io::repeat(b'0').take(length - start.len() as u64);
+        let file = start.as_bytes().chain(&mut rest);
+        let request = Request {
+            defaults: DEFAULTS,
+            ..Request::default()
+        };
+        let read = Table::read(file, length, Format::Csv, &request, |_| Pool::Calling);
+        let Err(ReadError::Invalid(fault)) = read else {
+            panic!("{read:?}");
+        };
+        assert_eq!(fault.message, format!("line {line} is longer than 1 MiB"));
+        assert!(rest.limit() > length - (1 << 24), "line {line}");
+    }
+    // The same for one that ends, in a column that is not read.
+    let name = |length| format!("x,y,z,a\n{usual}0,0,0,{}\n{usual}", "b".repeat(length));
+    let rows = |length: usize| rows(name(length).as_bytes(), Format::Csv).map(|rows| rows.len());
+    assert_eq!(rows((1 << 20) - "0,0,0,".len()), Ok(81));
+    let longer = "line 42 is longer than 1 MiB; a row of a table is one line";
+    assert_eq!(rows(1 << 20), Err(longer.to_owned()));
 }
 
 #[test]

@@ -1,7 +1,10 @@
+use std::io::{self, Read};
+
 use super::{
-    DEFAULTS, Format, bad_spheres, finds_bad_spheres, neither_shorter_nor_longer, rows, spheres,
-    survives_faults, table,
+    DEFAULTS, Format, ReadError, Request, Table, bad_spheres, finds_bad_spheres,
+    neither_shorter_nor_longer, rows, spheres, survives_faults, table,
 };
+use crate::parallel::Pool;
 use crate::scene::table::tests::{Sphere, with_defaults};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -283,6 +286,41 @@ fn a_float_in_text_equals_that_in_a_binary_file() {
     assert_eq!(read[0][0].0[0], f64::from(0.1_f32));
     assert_eq!(read[0][0].1, 0.3);
     assert!(read[0] == read[1] && read[1] == read[2]);
+}
+
+#[test]
+fn a_byte_order_mark_and_comments_of_any_encoding_are_skipped() {
+    for encoding in ENCODINGS {
+        let bytes = plain(encoding, ["float", "double", "uchar"], &spheres(3));
+        let at = bytes.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+        let (first, rest) = bytes.split_at(at);
+        let mark = "\u{feff}".as_bytes();
+        let comments = b"comment cr\xe9\xe9\nobj_info \xff\n";
+        let changed = [mark, first, comments, rest].concat();
+        assert_eq!(rows(&changed, Format::Ply), rows(&bytes, Format::Ply));
+    }
+    let text = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float \xe9\nend_header\n1\n";
+    let message = rows(text, Format::Ply).unwrap_err();
+    assert_eq!(message, "line 4: `property float \u{fffd}` is not UTF-8");
+}
+
+#[test]
+fn a_header_without_end_is_not_read_to_the_end_of_the_file() {
+    let start = b"ply\nformat ascii 1.0\n";
+    let length = 1 << 26;
+    let mut rest = io::repeat(b'\n').take(length - start.len() as u64);
+    let file = start.chain(&mut rest);
+    let read = Table::read(file, length, Format::Ply, &Request::default(), |_| {
+        Pool::Calling
+    });
+    let Err(ReadError::Invalid(fault)) = read else {
+        panic!("{read:?}");
+    };
+    assert_eq!(
+        fault.message,
+        "the header is longer than 1 MiB: there is no line `end_header` in it"
+    );
+    assert!(rest.limit() > length - (1 << 22));
 }
 
 #[track_caller]

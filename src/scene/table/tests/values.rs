@@ -127,6 +127,20 @@ fn other_columns_are_unused() {
 }
 
 #[test]
+fn atoms_may_start_with_a_byte_order_mark() {
+    let pdb = "ATOM      1  CA  GLY A   1       1.000   2.000   3.000  1.00  0.00           C\n";
+    let pdb = pdb.repeat(2);
+    for (text, format) in [
+        ("2\n\nC 1 2 3\nO 1 2 4\n", Format::Xyz),
+        (&pdb, Format::Pdb),
+    ] {
+        let read = |text: &str| rows(text.as_bytes(), format).unwrap();
+        assert_eq!(read(text).len(), 2);
+        assert_eq!(read(&format!("\u{feff}{text}")), read(text));
+    }
+}
+
+#[test]
 fn elements_give_radii_and_colors() {
     let atoms = |text: &str, format, defaults: Defaults| {
         let request = Request {
