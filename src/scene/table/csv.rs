@@ -11,7 +11,7 @@ use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 use crate::{
     parallel::Pool,
     scene::{
-        format::color::ColorModel,
+        format::{color::ColorModel, geometry::table::RowKind},
         table::{
             Fault, ReadError, Request, Rows, Table, Wrong,
             bytes::{BYTE_ORDER_MARK, LONGEST_LINE, check_lines, read_bytes},
@@ -256,9 +256,10 @@ impl Row<'_> {
                 .take(VALUE)
                 .flatten()
                 .position(|place| *place == at);
+            let is_optional = request.kind() != RowKind::Copy;
             numbers.push(match same.and_then(|place| numbers.get(place)) {
                 Some(number) => *number,
-                None if self.text(at).is_empty() => f64::NAN,
+                None if is_optional && self.text(at).is_empty() => f64::NAN,
                 None => self.number(at, rows),
             });
         }

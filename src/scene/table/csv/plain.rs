@@ -11,15 +11,18 @@ use std::{
 
 use crate::{
     parallel::Pool,
-    scene::table::{
-        Defaults, Empty, ReadError, Request, Rows,
-        bytes::{LONGEST_LINE, check_lines},
-        csv::{
-            Header,
-            blocks::{Blocks, Spare},
-            hex, line_ends,
+    scene::{
+        format::geometry::table::RowKind,
+        table::{
+            Defaults, Empty, ReadError, Request, Rows,
+            bytes::{LONGEST_LINE, check_lines},
+            csv::{
+                Header,
+                blocks::{Blocks, Spare},
+                hex, line_ends,
+            },
+            layout::{COLORS, RADIUS, Scalar, VALUE},
         },
-        layout::{COLORS, RADIUS, Scalar, VALUE},
     },
     text::syntax::Decimal,
 };
@@ -241,6 +244,7 @@ impl<'a> Columns<'a> {
         let mut left = empty;
         if let Some(value) = self.value
             && left & 1 << value != 0
+            && self.defaults.kind != RowKind::Copy
         {
             *row.get_mut(value)? = f64::NAN;
             left &= !(1 << value);

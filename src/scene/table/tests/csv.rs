@@ -4,10 +4,12 @@ use std::{
 };
 
 use super::{
-    DEFAULTS, Defaults, Format, ReadError, Request, Table, rows, spheres_of, survives_faults, table,
+    DEFAULTS, Defaults, Format, ReadError, Request, Table, rows, spheres_of, survives_faults,
+    table, wanted,
 };
 use crate::{
     parallel::Pool,
+    scene::format::geometry::table::RowKind,
     tracer::random::{Rng, cases},
 };
 
@@ -205,6 +207,27 @@ fn a_line_without_end_is_not_read_to_the_end_of_the_file() {
     assert_eq!(rows((1 << 20) - "0,0,0,".len()), Ok(81));
     let longer = "line 42 is longer than 1 MiB; a row of a table is one line";
     assert_eq!(rows(1 << 20), Err(longer.to_owned()));
+}
+
+#[test]
+fn an_empty_angle_of_a_copy_is_an_empty_cell() {
+    let request = Request {
+        defaults: Defaults {
+            kind: RowKind::Copy,
+            radius: Some(1.0),
+            color: None,
+        },
+        ..Request::default()
+    };
+    let read = |text: &str| wanted(text.as_bytes(), Format::Csv, &request);
+    for row in ["1,2,3,,", "1,2,3,2,", "\"1\",2,3,2,"] {
+        assert_eq!(
+            read(&format!("x,y,z,scale,angle\n1,2,3,4,5\n{row}\n")).unwrap_err(),
+            "row 1 (line 3), column `angle`: the cell is empty"
+        );
+    }
+    let table = read("x,y,z,scale,angle\n1,2,3,,5\n").unwrap();
+    assert_eq!((table.rows(), table.bad()), (1, &[][..]));
 }
 
 #[test]
