@@ -5,7 +5,10 @@ use std::{fmt, ops::Range};
 use serde::de::{self, Deserializer, Expected, IntoDeserializer, Visitor};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, path::Trail},
+    diagnostic::{
+        Code, Diagnostic,
+        path::{Step, Trail},
+    },
     scene::recover::{
         Text,
         access::{Elements, fields, given_fields, stand_ins},
@@ -139,11 +142,11 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Returns an integer; the largest u32 for one that is negative or larger, which is in the range of
-    /// none and which validation reports. The stand-in is 1, which is in all of these ranges.
+    /// none and which validation reports.
     fn integer(&self) -> u32 {
         const EXPECTED: &str = "a whole number";
         let Some((id, source)) = self.number(EXPECTED) else {
-            return 1;
+            return self.integer_stand_in();
         };
         match integer(source, self.syntax()) {
             Ok(number) if !number.fits_its_suffix() => u32::MAX,
@@ -152,8 +155,17 @@ impl<'a> Reader<'a, '_> {
             Err(NumberError::OtherType | NumberError::Malformed) => {
                 let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
                 self.document.replace(id, diagnostic);
-                1
+                self.integer_stand_in()
             }
+        }
+    }
+
+    /// Returns the stand-in for an integer: 1, which is in the range of all fields. A corner of a mesh
+    /// becomes one that no vertex has, so that the area of its triangle is not checked.
+    const fn integer_stand_in(&self) -> u32 {
+        match self.path {
+            Trail::Inside(_, Step::Index(_)) => u32::MAX,
+            Trail::Inside(..) | Trail::Root => 1,
         }
     }
 
