@@ -13,8 +13,22 @@ use crate::{
         problem::{Focus, Problem},
         validate::material::both,
     },
-    tracer::error::GeometryError,
+    tracer::{error::GeometryError, transform::Transform},
 };
+
+/// Returns the cure of a transform that cannot be inverted.
+fn cure(transform: &TransformModel) -> &'static str {
+    let Some(matrix) = &transform.matrix else {
+        return "write factors of 1e-100 to 1e100";
+    };
+    let numbers = || matrix.0.iter().flat_map(|[x, y, z, _]| [*x, *y, *z]);
+    let largest = numbers().map(f64::abs).fold(0.0, f64::max);
+    let of_one = matrix.0.map(|row| row.map(|number| number / largest));
+    match Transform::from_rows(of_one) {
+        Ok(_) => "the largest number of a matrix must be from 1e-100 to 1e100",
+        Err(_) => "the rows of a matrix must not lie in one plane",
+    }
+}
 
 impl Found {
     /// Checks the transform of a geometry at a path.
@@ -65,7 +79,7 @@ impl Found {
                 None => path.clone(),
             };
             let problem = Problem::new(Code::OutOfRange, place, Focus::Value, message);
-            self.push(problem.help("the rows of a matrix must not lie in one plane"));
+            self.push(problem.help(cure(transform)));
         }
     }
 
@@ -103,6 +117,49 @@ impl Found {
                 let problem = Problem::of_value(Code::OutOfRange, path, "`scale` must not be 0");
                 self.push(problem.help("write a number close to 0 to flatten, such as 0.001"));
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cure_fits_the_numbers() {
+        let factors = "write factors of 1e-100 to 1e100";
+        let largest = "the largest number of a matrix must be from 1e-100 to 1e100";
+        let plane = "the rows of a matrix must not lie in one plane";
+        for (text, expected) in [
+            ("(scale: Some(1e200))", Some(factors)),
+            ("(scale: Some((1e-200, -1e-200, 1)))", Some(factors)),
+            ("(scale: Some((1e100, -1e100, 1e100)))", None),
+            ("(scale: Some(1e-100))", None),
+            (
+                "(matrix: Some(((1e200, 0, 0, 0), (0, 1e200, 0, 0), (0, 0, 1e200, 0))))",
+                Some(largest),
+            ),
+            (
+                "(matrix: Some(((0, 1e-200, 0, 0), (1e-200, 0, 0, 0), (0, 0, 1e-200, 0))))",
+                Some(largest),
+            ),
+            (
+                "(matrix: Some(((1, 2, 3, 0), (2, 4, 6, 0), (0, 1, 0, 0))))",
+                Some(plane),
+            ),
+            (
+                "(matrix: Some(((0, 0, 0, 1), (0, 0, 0, 1), (0, 0, 0, 1))))",
+                Some(plane),
+            ),
+        ] {
+            let transform: TransformModel = ron::from_str(text).unwrap();
+            let mut found = Found::new(9);
+            found.transform(&transform, &Path::ROOT);
+            let help = found
+                .list
+                .first()
+                .and_then(|problem| problem.diagnostic.help.as_deref());
+            assert_eq!(help, expected, "{text}");
         }
     }
 }
