@@ -171,15 +171,20 @@ impl Memory {
 
 /// Returns an absolute path, by its text alone: it need not exist.
 fn absolute(path: &Path) -> PathBuf {
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    without_detours(&std::path::absolute(path).unwrap_or_else(|_| path.to_owned()))
+}
+
+/// Returns a path without folders that it leads into and out of by `..`, by its text alone.
+pub(crate) fn without_detours(path: &Path) -> PathBuf {
     let mut found = PathBuf::new();
     for part in path.components() {
-        match part {
-            Component::ParentDir => {
+        let last = found.components().next_back();
+        match (part, last) {
+            (Component::ParentDir, Some(Component::RootDir | Component::Prefix(_))) => {}
+            (Component::ParentDir, Some(Component::Normal(_))) => {
                 found.pop();
             }
-            Component::CurDir => {}
-            part => found.push(part),
+            (part, _) => found.push(part),
         }
     }
     found
@@ -451,6 +456,20 @@ mod tests {
 
     fn read(bytes: &[u8]) -> FileText {
         read_from(bytes, bytes.len()).unwrap()
+    }
+
+    #[test]
+    fn a_detour_is_left_out() {
+        for (path, short) in [
+            ("a/b/../c.ron", "a/c.ron"),
+            ("./a/../../c.ron", "./../c.ron"),
+            ("../a/b/../../c.ron", "../c.ron"),
+            ("a/../../b/c.ron", "../b/c.ron"),
+            ("/../a/../c.ron", "/c.ron"),
+        ] {
+            let found = without_detours(Path::new(path));
+            assert_eq!(found.as_os_str(), short);
+        }
     }
 
     #[test]

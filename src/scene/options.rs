@@ -10,7 +10,7 @@ use crate::{
     parallel::{Cancel, Pool},
     scene::{
         additions::Additions,
-        files::{Disk, Files, Folder},
+        files::{Disk, Files, Folder, without_detours},
         part::Nest,
         read::LARGE,
         set::Setting,
@@ -221,10 +221,16 @@ impl ReadOptions {
 
     /// Returns the path of a table or a part from the current folder.
     pub(crate) fn path_of(&self, name: impl AsRef<Path>) -> PathBuf {
-        // `./a.csv` and `a.csv` are one file.
+        // `./a.csv`, `a.csv` and `sub/../a.csv` are one file, unless `sub` is a link.
         let steps = name.as_ref().components();
         let name: PathBuf = steps.filter(|step| *step != Component::CurDir).collect();
-        self.folder.as_deref().unwrap_or(Path::new("")).join(name)
+        let path = self.folder.as_deref().unwrap_or(Path::new("")).join(name);
+        let short = without_detours(&path);
+        let found = |path| self.all_files().resolve(path).ok();
+        match short != path && found(&short).is_some_and(|file| found(&path) == Some(file)) {
+            true => short,
+            false => path,
+        }
     }
 
     /// Returns the files that the scene may name; `None` if none are opened.

@@ -177,6 +177,35 @@ fn info_lists_what_depends_on_what() {
 }
 
 #[test]
+fn a_file_named_by_two_paths_is_listed_once() {
+    let folder = folder();
+    let named = |paths: &[&str]| {
+        let parts = paths.iter().enumerate().map(|(index, path)| {
+            format!("Part(file: \"{path}\", transform: (translate: (0, 0, -{index})))")
+        });
+        folder.write("main.ron", main(&parts.collect::<Vec<_>>().join(", ")));
+        let files = json(&folder, "info main.ron --output-format json");
+        let files = files["files"].as_array().unwrap().iter();
+        let files = files.map(|file| file["file"].as_str().unwrap().to_owned());
+        files.collect::<Vec<_>>()
+    };
+    let rest = ["inner/leaf.json", "inner/atoms.csv"];
+    let expected = [&["main.ron", "tree.ron"], &rest[..]].concat();
+    assert_eq!(named(&["tree.ron", "inner/../tree.ron"]), expected);
+    assert_eq!(named(&["./inner/../tree.ron", "tree.ron"]), expected);
+    // Behind a link, `..` leads elsewhere.
+    #[cfg(unix)]
+    {
+        fs::create_dir_all(folder.path("far/inner")).unwrap();
+        folder.write("far/tree.ron", "(geometries: [])");
+        std::os::unix::fs::symlink("far/inner", folder.path("link")).unwrap();
+        let expected = ["main.ron", "tree.ron", "link/../tree.ron"];
+        let expected = [&expected[..], &rest].concat();
+        assert_eq!(named(&["tree.ron", "link/../tree.ron"]), expected);
+    }
+}
+
+#[test]
 fn a_depfile_lists_every_file() {
     let folder = folder();
     let empty = "\ntree.ron:\n\ninner/leaf.json:\n\ninner/atoms.csv:\n";
