@@ -144,7 +144,7 @@ fn write_depfile(
     report::check(depfile, &sources(document, scene))?;
     let files = document.dependencies().into_iter();
     let files: Vec<_> = files.map(|file| file.path.to_owned()).collect();
-    depfile::write(depfile, scene, &files, cancel)
+    depfile::Rule::new(&[scene.to_owned()], &files)?.write(depfile, cancel)
 }
 
 #[derive(Serialize)]

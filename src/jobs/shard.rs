@@ -1,6 +1,15 @@
 //! Parts of one job, for several processes or machines.
 
-use std::{error::Error, fmt, ops::Range, str::FromStr};
+use std::{
+    error::Error,
+    fmt,
+    ops::Range,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+/// The extension of a file that holds a band.
+pub(crate) const BAND: &str = ".part";
 
 /// A part of a job that is split into `count` parts: the one with the number `index`, from 0.
 ///
@@ -65,6 +74,23 @@ impl Shard {
     /// Returns the number of parts.
     pub const fn count(self) -> u32 {
         self.count
+    }
+
+    /// Returns the file that holds this band of a picture, next to it.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::jobs::Shard;
+    ///
+    /// let band = Shard::new(0, 4)?.file("out.png".as_ref());
+    /// assert_eq!(band.to_str(), Some("out.png.0-of-4.part"));
+    /// # Ok::<(), strahl::jobs::ShardError>(())
+    /// ```
+    pub fn file(self, picture: &Path) -> PathBuf {
+        let mut name = picture.to_owned().into_os_string();
+        name.push(format!(".{}-of-{}{BAND}", self.index, self.count));
+        name.into()
     }
 
     /// Returns true if the item with this number belongs to the part. Each part takes every

@@ -10,14 +10,11 @@ use crate::{
     diagnostic::error::{Error, ErrorKind},
     film::crop::Crop,
     image_file::{ImageFormat, part, target::Target},
-    jobs::shard::Shard,
+    jobs::shard::{BAND, Shard},
     parallel::timings::Stage,
     pipeline::{Scene, options::RenderOptions},
     render::layers::Layer,
 };
-
-/// The extension of a file that holds a band.
-const ENDING: &str = ".part";
 
 impl Scene {
     /// Renders a band of the picture that [`Scene::save_with`] would write to `path`, and returns
@@ -42,7 +39,7 @@ impl Scene {
         let title = title(&self.hash(path, options)?, shard);
         let mut is_drawn = false;
         for (path, layers) in self.checked_files(path, options)? {
-            let part = part_of(&path, shard);
+            let part = shard.file(&path);
             if again || !part::is_whole(&part, &title) {
                 self.draw_band(&part, &title, (format, &layers), shard, options)
                     .map_err(|error| error.at(&part))?;
@@ -143,13 +140,6 @@ fn title(hash: &str, shard: Shard) -> String {
     format!("strahl part 1 {shard} {hash}")
 }
 
-/// Returns the path of a band file.
-fn part_of(path: &Path, shard: Shard) -> PathBuf {
-    let mut name = path.to_owned().into_os_string();
-    name.push(format!(".{}-of-{}{ENDING}", shard.index(), shard.count()));
-    name.into()
-}
-
 /// Returns the band files of a picture, from top to bottom.
 fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     let incomplete = |message: String| Error::new(ErrorKind::Incomplete, message).at(path);
@@ -166,7 +156,7 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
         let middle = found
             .strip_prefix(&*name)
             .and_then(|rest| rest.strip_prefix('.'));
-        let middle = middle.and_then(|rest| rest.strip_suffix(ENDING));
+        let middle = middle.and_then(|rest| rest.strip_suffix(BAND));
         let shard = middle.and_then(|middle| middle.replacen("-of-", "/", 1).parse::<Shard>().ok());
         if let Some(shard) = shard {
             let found = counts.entry(shard.count()).or_default();
@@ -193,7 +183,7 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     let missing = shortened(missing.collect(), count as usize - found.len());
     let (mut parts, mut wrong) = (Vec::new(), Vec::new());
     for shard in found.iter().filter_map(shard) {
-        let part = part_of(path, shard);
+        let part = shard.file(path);
         if part::is_whole(&part, &title(hash, shard)) {
             parts.push(part);
         } else {

@@ -42,6 +42,8 @@ mod writing;
 #[cfg(unix)]
 mod attacks;
 #[cfg(unix)]
+mod depfile;
+#[cfg(unix)]
 mod disks;
 #[cfg(unix)]
 mod foreign;

@@ -132,10 +132,6 @@ impl<'a> Plan<'a> {
         cancel: &Cancel,
     ) -> Result<Drawn, Failure> {
         let used = sources(&document, self.order.source);
-        if let Some(depfile) = self.order.depfile {
-            let written: Vec<_> = used.iter().chain(&self.output).cloned().collect();
-            report::check(depfile, &written)?;
-        }
         let scene = view(Scene::try_from(document)?)?;
         let args = self.order.draw;
         let options = args.options(cancel).threads(args.threads());
@@ -147,12 +143,10 @@ impl<'a> Plan<'a> {
             options: options.timings(scene.timings().clone()),
             scene,
         };
-        let drawn = match self.drawing {
-            Drawing::Image(format) => job.draw_picture(format)?,
-            Drawing::Movie(format) => job.draw_movie(format)?,
-        };
-        job.write_depfile()?;
-        Ok(drawn)
+        match self.drawing {
+            Drawing::Image(format) => job.draw_picture(format),
+            Drawing::Movie(format) => job.draw_movie(format),
+        }
     }
 }
 
@@ -187,6 +181,7 @@ impl Job<'_> {
         if let Some(report) = &self.plan.report {
             report::check(report, &used)?;
         }
+        let rule = self.rule(&files)?;
         let count = files.len().max(1) as u64;
         let parts = order.shard.map_or(1, |shard| shard.count());
         let pixels = args.picture.pixels(scene.size()) / u64::from(parts);
@@ -216,20 +211,35 @@ impl Job<'_> {
             report::write(path, scene, &image, &traced, self.cancel)?;
         }
         drop(progress);
+        self.write_depfile(rule)?;
         // With `--shard`, a band was written instead.
         files.retain(|file| order.shard.is_none() && !is_device(file));
         let extent = args.picture.size(scene.size()).to_string();
         Ok(self.drawn(files, extent, pixels * count))
     }
 
-    /// Writes the files that the picture depends on, if requested.
-    fn write_depfile(&self) -> Result<(), Failure> {
-        match (self.plan.order.depfile, &self.plan.output) {
-            (Some(depfile), Some(output)) => {
-                let sources = self.used.iter().filter(|source| !paths::is_dash(source));
-                let sources: Vec<_> = sources.cloned().collect();
-                depfile::write(depfile, output, &sources, self.cancel)
-            }
+    /// Returns the rule that the written files depend on the sources, if requested. `files` are those of
+    /// the whole picture or movie.
+    fn rule(&self, files: &[PathBuf]) -> Result<Option<depfile::Rule>, Failure> {
+        let Order { depfile, shard, .. } = self.plan.order;
+        let Some(depfile) = depfile else {
+            return Ok(None);
+        };
+        let written = files.iter().map(|file| match shard {
+            Some(shard) => shard.file(file),
+            None => file.clone(),
+        });
+        let written: Vec<_> = written.collect();
+        report::check(depfile, &[&*self.used, files, &*written].concat())?;
+        let sources = self.used.iter().filter(|source| !paths::is_dash(source));
+        let sources: Vec<_> = sources.cloned().collect();
+        depfile::Rule::new(&written, &sources).map(Some)
+    }
+
+    /// Writes the rule, if requested.
+    fn write_depfile(&self, rule: Option<depfile::Rule>) -> Result<(), Failure> {
+        match (self.plan.order.depfile, rule) {
+            (Some(depfile), Some(rule)) => rule.write(depfile, self.cancel),
             _ => Ok(()),
         }
     }
@@ -240,6 +250,8 @@ impl Job<'_> {
         if let Some(path) = output {
             check_sources(path, &self.used)?;
         }
+        let files: Vec<_> = output.iter().cloned().collect();
+        let rule = self.rule(&files)?;
         let picture = &self.args.picture;
         let movie = Movie::of(order.frames, picture, format, &self.scene);
         let movie = movie.map_err(|failure| movie::named(failure, order.source))?;
@@ -252,7 +264,7 @@ impl Job<'_> {
             None => movie.write(io::stdout().lock(), &options)?,
         }
         drop(progress);
-        let files = output.iter().cloned().collect();
+        self.write_depfile(rule)?;
         Ok(self.drawn(files, movie.extent(), pixels))
     }
 
