@@ -18,7 +18,7 @@ use super::{
 /// Convert a scene between RON and JSON, by file extension
 ///
 /// Between files of the same syntax, the scene is copied in the canonical format, with all
-/// comments.
+/// comments. A scene without a camera is converted too, as it may be a part of another.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -56,7 +56,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             "unknown syntax; give `--to ron` or `--to json`",
         )
     })?;
-    let options = args.tables.options(&Config::default());
+    // A scene without a camera is a part of another.
+    let options = args.tables.options(&Config::default()).as_part(true);
     let document = args.scene.read(match args.explicit_camera {
         true => options,
         false => options.without_tables(),
@@ -68,7 +69,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
         // Paths stay as they are written: they are relative to the folder of the new scene.
-        let tables = document.table_names().map(|name| ("table", name));
+        let tables = document.table_names().chain(document.copy_table_names());
+        let tables = tables.map(|name| ("table", name));
         let meshes = document.mesh_names().map(|name| ("mesh", name));
         let parts = document.part_names().map(|name| ("part", name));
         for (kind, name) in tables.chain(meshes).chain(parts) {

@@ -96,6 +96,36 @@ fn convert_works_both_ways() {
 }
 
 #[test]
+fn parts_without_a_camera_are_converted() {
+    let folder = Folder::new();
+    let part = "(\n    geometries: [\n        Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\"),\n    ],\n)\n";
+    folder.write("a.ron", part);
+    run(&mut folder.strahl(["convert", "a.ron", "a.json"])).quiet_success();
+    run(&mut folder.strahl(["convert", "a.json", "b.ron"])).quiet_success();
+    assert_eq!(fs::read_to_string(folder.path("b.ron")).unwrap(), part);
+    folder.write("a.ron", part.replace("center", "centre"));
+    let done = run(&mut folder.strahl(["convert", "a.ron", "a.json"]));
+    done.failure(1, &["unknown-field"]);
+    assert!(!done.stderr.contains("camera"), "{}", done.stderr);
+}
+
+#[test]
+fn convert_names_the_files_that_are_not_moved() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("sub")).unwrap();
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\", name: \"ball\")";
+    let copies = "Instances(of: \"ball\", file: \"i.csv\")";
+    folder.write(
+        "a.ron",
+        format!("(camera: Fit(), geometries: [{ball}, {copies}])"),
+    );
+    let done = run(&mut folder.strahl(["convert", "a.ron", "sub/a.json"]));
+    assert_eq!(done.status, Some(0));
+    let note = "note: the table `i.csv` is not moved; ";
+    assert!(done.stderr.starts_with(note), "{}", done.stderr);
+}
+
+#[test]
 fn convert_reports_losses() {
     let folder = Folder::new();
     folder.write("a.ron", TIDY);

@@ -6,7 +6,10 @@ use crate::{
     diagnostic::{Code, Diagnostic, Severity, path::Path},
     scene::{
         document::Document,
-        format::geometry::{GeometryModel, table::RowKind},
+        format::geometry::{
+            GeometryModel,
+            table::{RowKind, TableModel},
+        },
         part::PartFindings,
     },
 };
@@ -22,11 +25,21 @@ pub struct Dependency<'a> {
 }
 
 impl Document {
-    /// Returns the tables that the scene names, as written.
+    /// Returns the tables of geometries that the scene names, as written: those of
+    /// [`Scene::tables`](crate::Scene::tables).
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
-        let tables = self.geometries().filter_map(GeometryModel::table);
-        let tables = tables.filter(|table| table.kind != RowKind::Copy);
+        let tables = self.tables().filter(|table| table.kind != RowKind::Copy);
         tables.map(|table| table.file)
+    }
+
+    /// Returns the tables of copies that the scene names, as written.
+    pub fn copy_table_names(&self) -> impl Iterator<Item = &str> {
+        let tables = self.tables().filter(|table| table.kind == RowKind::Copy);
+        tables.map(|table| table.file)
+    }
+
+    fn tables(&self) -> impl Iterator<Item = TableModel<'_>> {
+        self.geometries().filter_map(GeometryModel::table)
     }
 
     /// Returns the mesh files that the scene names, as written.
