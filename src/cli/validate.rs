@@ -13,7 +13,7 @@ use strahl::{
     Diagnostic, Document, ReadOptions, Syntax,
     diagnostic::Code,
     image_file::write_file,
-    jobs::{Checked, Config, Configs, check_files, find_scenes, no_scene},
+    jobs::{Checked, Config, Configs, SceneFile, check_files, find_scenes, no_scene},
     parallel::{Cancel, Stage, in_order},
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
@@ -203,9 +203,8 @@ impl<'a> Run<'a> {
                 &options,
                 self.args.threads.count(),
                 |checked| match checked {
-                    Checked::Document(file, document) if document.lacks_a_camera() => {
-                        self.parts.wait(file, &options);
-                        Ok(())
+                    Checked::Document(file, document) if self.waits(&document) => {
+                        self.wait(file, document, &options)
                     }
                     checked => self.add(checked, &options),
                 },
@@ -230,6 +229,24 @@ impl<'a> Run<'a> {
         }
         let options = self.options(&*configs.of("-")?);
         self.report(scene::read_stdin(&options)?)
+    }
+
+    /// Returns true if a scene is to be checked at the end: if it lacks a camera, which a part does not
+    /// need, or if `--fix` may change its parts until then.
+    fn waits(&mut self, document: &Document) -> bool {
+        (self.args.fix && self.parts.note(document)) || document.lacks_a_camera()
+    }
+
+    /// Keeps a scene for the end. Its fixes are applied now: it may be a part of another.
+    fn wait(
+        &mut self,
+        file: SceneFile,
+        mut document: Document,
+        options: &ReadOptions,
+    ) -> Result<(), Failure> {
+        self.write_fixes(&mut document, &file.path)?;
+        self.parts.wait(file, options);
+        Ok(())
     }
 
     fn add(&mut self, checked: Checked, options: &ReadOptions) -> Result<(), Failure> {
@@ -259,18 +276,31 @@ impl<'a> Run<'a> {
         path: &Path,
         options: &ReadOptions,
     ) -> Result<Document, Failure> {
+        match self.write_fixes(&mut document, path)? {
+            true => Ok(Document::from_path_with(path, options)?),
+            false => Ok(document),
+        }
+    }
+
+    /// Writes a file with its safe fixes applied, with `--fix`. Returns true if it has changed.
+    fn write_fixes(&mut self, document: &mut Document, path: &Path) -> Result<bool, Failure> {
         let fixed = self.args.fix.then(|| document.fixed()).flatten();
         let Some((fixed, count)) = fixed else {
-            return Ok(document);
+            return Ok(false);
         };
         write_file(path, fixed.as_bytes(), &self.cancel)?;
         self.fixed += count;
-        Ok(Document::from_path_with(path, options)?)
+        Ok(true)
     }
 
     /// Prints the safe fixes of a scene, and counts its faults before them.
     fn show_fixes(&mut self, mut document: Document) -> Result<(), Failure> {
         self.summary.count(&scene::findings(&document));
+        for part in document.parts() {
+            if self.parts.is_new(part) {
+                self.count_part(&scene::findings_of_part(part));
+            }
+        }
         let Some((fixed, count)) = document.fixed() else {
             return Ok(());
         };
@@ -363,10 +393,15 @@ impl<'a> Run<'a> {
             suppressed: suppressed + part.suppressed,
             ..*part
         };
-        let files = self.summary.files;
-        self.summary.count(&report);
-        self.summary.files = files;
+        self.count_part(&report);
         self.reporter.file(&report).map_err(Failure::stdout)
+    }
+
+    /// Counts faults of a part, an option or a table that belong to a scene already counted.
+    fn count_part(&mut self, part: &FileReport<'_>) {
+        let files = self.summary.files;
+        self.summary.count(part);
+        self.summary.files = files;
     }
 
     fn finish(self) -> Result<(), Failure> {

@@ -322,6 +322,30 @@ fn a_part_with_errors_needs_no_camera_either() {
 }
 
 #[test]
+fn a_part_is_fixed_before_the_scenes_that_name_it_are_checked() {
+    let folder = folder();
+    // `tree.ron` names a part itself, and sorts behind `main.ron`.
+    folder.write("inner/leaf.json", LEAF.replace("center", "centre"));
+    folder.write("tree.ron", TREE.replace("radius: 1", "radus: 1"));
+    let errors = |args| strahl(&folder, args).stderr;
+    assert_eq!(errors("validate ."), "3 files: 4 errors\n");
+    let diff = "3 files: 4 errors (2 can be fixed by `--fix`)\n";
+    assert_eq!(errors("validate --diff ."), diff);
+    let diff = "1 file: 4 errors\n";
+    assert_eq!(errors("validate main.ron"), diff);
+    assert_eq!(errors("validate --diff main.ron"), diff);
+    let fixed = strahl(&folder, "validate --fix .");
+    assert_eq!(fixed.stderr, "3 files: no problems (2 fixed)\n");
+    assert_eq!((fixed.status, &*fixed.stdout), (Some(0), &b""[..]));
+    assert_eq!(errors("validate ."), "3 files: no problems\n");
+
+    // A part that is not named on the command line stays as it is, and is reported.
+    folder.write("tree.ron", TREE.replace("radius: 1", "radus: 1"));
+    let (status, lines) = validate(&folder, "--fix main.ron inner/leaf.json");
+    assert_eq!((status, lines.len()), (Some(1), 2), "{lines:#?}");
+}
+
+#[test]
 fn a_folder_of_scenes_is_drawn_without_its_parts() {
     let folder = folder();
     let done = strahl(&folder, "render . -o out/");

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{ReadOptions, jobs::SceneFile, scene::PartFindings};
+use strahl::{Document, ReadOptions, jobs::SceneFile, scene::PartFindings};
 
 /// The parts of the scenes in a run.
 #[derive(Default)]
@@ -16,7 +16,10 @@ pub(super) struct Parts {
     listed: Option<HashSet<PathBuf>>,
     /// The canonical paths of the parts so far.
     named: HashSet<PathBuf>,
-    /// The files that lack a camera: whether that is a fault is known at the end.
+    /// Those that need no report any more.
+    reported: HashSet<PathBuf>,
+    /// The files that are checked at the end: those that lack a camera, which may not be a fault, and
+    /// those whose parts are fixed before that.
     waiting: Vec<(SceneFile, ReadOptions)>,
 }
 
@@ -30,15 +33,30 @@ impl Parts {
 
     /// Notes that a scene names a part. Returns true if the part is to be reported now.
     pub(super) fn is_new(&mut self, part: &PartFindings) -> bool {
-        let files = &self.files;
-        let listed = || files.iter().map(|file| canonical(file)).collect();
-        let listed = self.listed.get_or_insert_with(listed);
         let path = canonical(Path::new(part.name()));
-        let is_listed = listed.contains(&path);
-        self.named.insert(path) && !is_listed && !part.is_empty()
+        let is_listed = self.is_listed(&path);
+        self.named.insert(path.clone());
+        self.reported.insert(path) && !is_listed && !part.is_empty()
     }
 
-    /// Keeps a file that lacks a camera for the end of the run.
+    /// Notes the parts that a scene names. Returns true if one is reported on its own.
+    pub(super) fn note(&mut self, document: &Document) -> bool {
+        let mut is_any_listed = false;
+        for part in document.parts() {
+            let path = canonical(Path::new(part.name()));
+            is_any_listed |= self.is_listed(&path);
+            self.named.insert(path);
+        }
+        is_any_listed
+    }
+
+    fn is_listed(&mut self, path: &Path) -> bool {
+        let files = &self.files;
+        let listed = || files.iter().map(|file| canonical(file)).collect();
+        self.listed.get_or_insert_with(listed).contains(path)
+    }
+
+    /// Keeps a file for the end of the run.
     pub(super) fn wait(&mut self, file: SceneFile, options: &ReadOptions) {
         self.waiting.push((file, options.clone()));
     }
