@@ -258,7 +258,12 @@ pub(crate) const SHAPES_RON: &[Fault] = &[
     (
         "eye: (0, 0, 0)",
         "eye: (x: 0, y: 0, z: 0)",
-        &["[wrong-type]"],
+        &["[wrong-type]", "write the values alone, without names"],
+    ),
+    (
+        "Sphere(center: (-1, 0, -3), radius: 0.5, color: \"#ff0000\")",
+        "Spheres(file: \"a.csv\", color_by: (column: \"e\", range: (min: 0, max: 1)))",
+        &["[wrong-type]", "write the values alone, without names"],
     ),
     ("eye: (0, 0, 0)", "eye: (0, 0)", &["[wrong-type]"]),
     ("eye: (0, 0, 0)", "eye: (0, 0, 0, 0)", &["[wrong-type]"]),

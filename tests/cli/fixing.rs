@@ -144,6 +144,36 @@ fn square_brackets_are_added_and_removed() {
 }
 
 #[test]
+fn a_variant_without_fields_gets_its_brackets() {
+    let folder = Folder::new();
+    let fit = |camera: &str| format!("(camera: Fit(projection: {camera}), geometries: [])");
+    let fit_json = |camera: &str| {
+        format!(r#"{{"camera": {{"Fit": {{"projection": {camera}}}}}, "geometries": []}}"#)
+    };
+    for (name, text, help, fixed) in [
+        (
+            "a.ron",
+            fit("Orthographic"),
+            "write `Orthographic()`\n",
+            fit("Orthographic()"),
+        ),
+        (
+            "a.json",
+            fit_json("\"Orthographic\""),
+            "write `{\"Orthographic\": {}}`\n",
+            fit_json("{\"Orthographic\": {}}"),
+        ),
+    ] {
+        let path = folder.write(name, text);
+        let done = run(&mut folder.strahl(["validate", name]));
+        let report = String::from_utf8(done.stdout).unwrap();
+        assert!(report.contains(help), "{report}");
+        run(&mut folder.strahl(["validate", "--fix", name]));
+        assert_eq!(fs::read_to_string(&path).unwrap(), fixed);
+    }
+}
+
+#[test]
 fn uncertain_corrections_are_not_applied() {
     let folder = Folder::new();
     for text in [

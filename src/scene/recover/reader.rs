@@ -122,8 +122,11 @@ impl<'a> Reader<'a, '_> {
             (Kind::Name, _, Wants::Color) => Some(
                 "color names are not supported; write `\"#rrggbb\"` or three numbers".to_owned(),
             ),
-            (Kind::Struct | Kind::Map, None, Wants::Tuple | Wants::Color) => {
+            (Kind::Struct | Kind::Map, None, Wants::Color) => {
                 Some("write the three numbers alone, without names".to_owned())
+            }
+            (Kind::Struct | Kind::Map, None, Wants::Tuple) => {
+                Some("write the values alone, without names".to_owned())
             }
             (_, _, Wants::List) if fix.is_some() => {
                 Some("a list is written in square brackets".to_owned())

@@ -361,18 +361,15 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
             return visitor.visit_map(fields(document, path, stand_ins(known)));
         };
         let Some(body) = body.filter(|body| has_fields(document, *body)) else {
-            let example = known.first().copied().unwrap_or_default();
             // In JSON the name is right if it has content.
-            let (whole, expected) = match (document.tree.syntax(), body) {
-                (Syntax::Json, Some(body)) => (body, "an object with named fields".to_owned()),
-                _ => (whole, format!("`{name}` with named fields")),
+            let whole = match (document.tree.syntax(), body) {
+                (Syntax::Json, Some(body)) => body,
+                _ => whole,
             };
-            let mut diagnostic = document.wrong_type(whole, path, expected).with_help(
-                match document.tree.syntax() {
-                    Syntax::Ron => format!("write `{name}({example}: …)`"),
-                    Syntax::Json => format!("write `{{\"{name}\": {{\"{example}\": …}}}}`"),
-                },
-            );
+            let expected = expected(document.tree.syntax(), name, body.is_some(), known);
+            let mut diagnostic = document
+                .wrong_type(whole, path, expected)
+                .with_help(with_fields(document.tree.syntax(), name, known));
             // A name alone lacks its brackets.
             diagnostic.fix = body.is_none().then(|| fix::opened(document, place, name));
             document.replace(whole, diagnostic);
@@ -410,6 +407,28 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
     serde::forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str bytes byte_buf option
         unit unit_struct newtype_struct tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+/// Describes a variant that has these fields; `has_body` is true for one with something after its
+/// name.
+fn expected(syntax: Syntax, name: &str, has_body: bool, known: &[&str]) -> String {
+    match (syntax, has_body, known) {
+        (Syntax::Json, true, []) => "an empty object".to_owned(),
+        (Syntax::Json, true, _) => "an object with named fields".to_owned(),
+        (Syntax::Json, false, []) => format!("`{name}` with an empty object"),
+        (Syntax::Ron, _, []) => format!("`{name}` with empty brackets"),
+        _ => format!("`{name}` with named fields"),
+    }
+}
+
+/// The help for a variant that is not written with its fields, of which there may be none.
+fn with_fields(syntax: Syntax, name: &str, known: &[&str]) -> String {
+    match (syntax, known.first()) {
+        (Syntax::Ron, None) => format!("write `{name}()`"),
+        (Syntax::Ron, Some(field)) => format!("write `{name}({field}: …)`"),
+        (Syntax::Json, None) => format!("write `{{\"{name}\": {{}}}}`"),
+        (Syntax::Json, Some(field)) => format!("write `{{\"{name}\": {{\"{field}\": …}}}}`"),
     }
 }
 
