@@ -39,6 +39,8 @@ pub(crate) struct Sight {
     pub(crate) target: DVec3,
     /// The field that `gaze` comes from.
     pub(crate) aim: Aim,
+    /// True if the scene does not give that field.
+    pub(crate) aim_is_default: bool,
     /// The direction that is up.
     pub(crate) up: DVec3,
     /// True if the scene gives no `up`.
@@ -67,6 +69,7 @@ impl Sight {
                 true => Aim::LookAt,
                 false => Aim::Gaze,
             },
+            aim_is_default: false,
             up: up.unwrap_or(UP).into(),
             up_is_default: up.is_none(),
         }
@@ -133,6 +136,7 @@ impl CameraModel {
                 let gaze = -DVec3::from(camera.from());
                 Sight {
                     aim: Aim::From,
+                    aim_is_default: camera.from.is_none(),
                     ..Sight::new([0.0; 3], Some(gaze.into()), None, camera.up)
                 }
             }

@@ -162,31 +162,26 @@ impl Found {
             return;
         }
         let (name, what) = sight.name();
-        let (x, y, z) = sight.up.into();
-        let path_of_up = path.field("up");
-        let problem = |message| {
-            Problem::new(
-                Code::ParallelVectors,
-                path.field(name),
-                Focus::Value,
-                message,
-            )
-            .help(if sight.up_is_default {
-                "give another `up`, such as (0, 0, -1)"
-            } else {
-                "`up` must not point along the line of sight"
-            })
-        };
-        self.push(if sight.up_is_default {
-            problem(format!(
-                "{what} is parallel to the default `up`, ({x}, {y}, {z})"
-            ))
+        let (at, message, help) = if sight.aim_is_default {
+            // The default cannot be reported where it is not written.
+            let (x, y, z) = (DVec3::ZERO - sight.gaze).into();
+            let message = format!("`up` is parallel to the default {what}, ({x}, {y}, {z})");
+            ("up", message, "give another `up`, or a `from` as well")
+        } else if sight.up_is_default {
+            let (x, y, z) = sight.up.into();
+            let message = format!("{what} is parallel to the default `up`, ({x}, {y}, {z})");
+            (name, message, "give another `up`, such as (0, 0, -1)")
         } else {
-            problem(format!("{what} is parallel to `up`")).label(
-                path_of_up,
-                Focus::Value,
-                "this is `up`",
-            )
+            let message = format!("{what} is parallel to `up`");
+            let help = "`up` must not point along the line of sight";
+            (name, message, help)
+        };
+        let code = Code::ParallelVectors;
+        let problem = Problem::new(code, path.field(at), Focus::Value, message).help(help);
+        let both_are_given = !sight.aim_is_default && !sight.up_is_default;
+        self.push(match both_are_given {
+            true => problem.label(path.field("up"), Focus::Value, "this is `up`"),
+            false => problem,
         });
     }
 }
