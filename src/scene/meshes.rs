@@ -175,7 +175,7 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
 }
 
 fn invalid(place: &Place, fault: &Fault) -> Problem {
-    let problem = place.problem(Code::InvalidMesh, &fault.message);
+    let problem = place.problem_at(fault.blamed, Code::InvalidMesh, &fault.message);
     problem.help_of(fault.help.clone())
 }
 

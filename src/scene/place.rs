@@ -9,7 +9,7 @@ use crate::{
             geometry::table::{RowKind, TableModel},
         },
         problem::{Cure, Focus, Problem},
-        table::{Bad, BadRows, Format, Kind, Names, Table, cell, row},
+        table::{Bad, BadRows, Blamed, Format, Kind, Names, Table, cell, row},
     },
     text::nearest::{list, nearest, quote},
     tracer::error::GeometryError,
@@ -34,18 +34,18 @@ impl Place<'_> {
 
     /// Creates a problem of the file; the message names the file first.
     pub(crate) fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
-        self.problem_at("file", code, message)
+        self.problem_at(Blamed::File, code, message)
     }
 
     /// The same at another field.
     pub(super) fn problem_at(
         &self,
-        field: &'static str,
+        blamed: Blamed,
         code: Code,
         message: impl AsRef<str>,
     ) -> Problem {
         let message = format!("{}: {}", quote(self.file), message.as_ref());
-        Problem::new(code, self.variant.field(field), Focus::Value, message)
+        Problem::new(code, blamed.path_in(&self.variant), Focus::Value, message)
     }
 
     /// Returns the format of the file, if it may hold such rows.
@@ -90,7 +90,7 @@ impl Place<'_> {
         names: &Names,
         known: Option<bool>,
     ) -> Option<Problem> {
-        let place = self.variant.field("color_by").field("column");
+        let place = Blamed::Value.path_in(&self.variant);
         let column = quote(&by.column);
         let file = quote(self.file);
         let Some(is_finite) = known else {
@@ -139,21 +139,28 @@ impl Place<'_> {
         format: Format,
         problems: &mut Vec<Problem>,
     ) {
-        let unused: Vec<_> = table.names().unused.iter().map(String::as_str).collect();
-        let (what, are) = match unused.as_slice() {
-            [] => return,
-            [_] => ("column", "is"),
-            _ => ("columns", "are"),
+        let colors: Vec<_> = match named.color_by {
+            Some(_) => format.color_names(named.kind).collect(),
+            None => Vec::new(),
         };
-        let field = if named.columns.is_some() {
-            "columns"
-        } else {
-            "file"
+        let unused = table.names().unused.iter().map(String::as_str);
+        let (replaced, unused): (Vec<_>, Vec<_>) = unused.partition(|name| colors.contains(name));
+        if !replaced.is_empty() {
+            let problem = self.unused(&replaced, named, ": `color_by` gives the colors");
+            problems.push(problem.help(
+                "leave `color_by` out for the colors of the table, or allow it by `allow: \
+                 [\"unused-column\"]`",
+            ));
+        }
+        let Some(first) = unused.first() else {
+            return;
         };
-        let message = format!("{what} {} {are} not used", list(&unused));
-        let problem = self.problem_at(field, Code::UnusedColumn, message);
+        let problem = self.unused(&unused, named, "");
         let known = format.column_names(named.kind);
-        let missing = known.filter(|known| table.names().all.iter().all(|name| name != known));
+        let missing = known.filter(|known| {
+            let is_there = table.names().all.iter().any(|name| name == known);
+            !is_there && !colors.contains(known)
+        });
         let missing: Vec<_> = missing.collect();
         let meant = unused.iter().find_map(|name| nearest(name, &missing));
         problems.push(match (meant, named.columns.is_some()) {
@@ -163,9 +170,23 @@ impl Place<'_> {
                 .help("remove what is not needed, or allow it by `allow: [\"unused-column\"]`"),
             (None, false) => problem.help(format!(
                 "color by its values with `color_by: (column: {})`, or remove it",
-                serde_json::Value::from(unused.first().copied().unwrap_or_default())
+                serde_json::Value::from(*first)
             )),
         });
+    }
+
+    /// Creates the warning about columns that are not used, for a reason if one is known.
+    fn unused(&self, columns: &[&str], named: &TableModel, why: &str) -> Problem {
+        let (what, are) = match columns {
+            [_] => ("column", "is"),
+            _ => ("columns", "are"),
+        };
+        let blamed = match named.columns {
+            Some(_) => Blamed::Columns,
+            None => Blamed::File,
+        };
+        let message = format!("{what} {} {are} not used{why}", list(columns));
+        self.problem_at(blamed, Code::UnusedColumn, message)
     }
 
     /// Reports what is wrong with the rows of a table.
@@ -197,16 +218,25 @@ impl Place<'_> {
         let numbers = wrong.into_iter().chain(clamped);
         let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
         let rows = table.bad_rows().iter();
-        let rows = rows.map(|bad| (bad.row, self.bad_rows(bad)));
+        let rows = rows.map(|bad| (bad.row, self.bad_rows(bad, named, table)));
         let mut found: Vec<_> = numbers.chain(rows).collect();
         found.sort_by_key(|(row, _)| *row);
         problems.extend(found.into_iter().map(|(_, problem)| problem));
     }
 
-    fn bad_rows(&self, bad: &BadRows) -> Problem {
-        let message = format!("{}{}", bad.fault.message, and_more(bad.count));
-        let problem = self.problem(Code::InvalidTable, message);
-        problem.help_of(bad.fault.help.clone())
+    fn bad_rows(&self, bad: &BadRows, named: &TableModel, table: &Table) -> Problem {
+        let by = named.color_by.filter(|by| table.has_no_numbers(bad, by));
+        let fault = match by {
+            None => bad.fault.clone(),
+            Some(by) => {
+                let others = table.names().all.iter().map(String::as_str);
+                let others: Vec<_> = others.filter(|name| *name != &*by.column).collect();
+                bad.fault.clone().blame_value(&others)
+            }
+        };
+        let message = format!("{}{}", fault.message, and_more(bad.count));
+        let problem = self.problem_at(fault.blamed, Code::InvalidTable, message);
+        problem.help_of(fault.help)
     }
 
     /// Warns about defaults of the scene that are unused because every row has its own value.

@@ -169,9 +169,9 @@ fn open(
         ReadError::Invalid(Fault {
             message,
             help,
-            field,
+            blamed,
         }) => {
-            let problem = place.problem_at(field, Code::InvalidTable, message);
+            let problem = place.problem_at(blamed, Code::InvalidTable, message);
             problem.help_of(help)
         }
     })?;

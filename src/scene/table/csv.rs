@@ -13,7 +13,7 @@ use crate::{
     scene::{
         format::{color::ColorModel, geometry::table::RowKind},
         table::{
-            Fault, ReadError, Request, Rows, Table, Wrong,
+            Blamed, Fault, ReadError, Request, Rows, Table, Wrong,
             bytes::{BYTE_ORDER_MARK, LONGEST_LINE, check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
@@ -149,7 +149,7 @@ impl Header {
         let selection = Selection::new(&all, &known, request).map_err(|fault| {
             let is_complete = coordinates(&known.columns).all(|name| all.contains(&name));
             match request.columns {
-                Some(_) => fault.at("columns"),
+                Some(_) => fault.at(Blamed::Columns),
                 None if is_complete || other_kind(&all, request.kind()).is_some() => fault,
                 None => without_names(&all, &known, fault),
             }
@@ -260,6 +260,11 @@ impl Row<'_> {
             numbers.push(match same.and_then(|place| numbers.get(place)) {
                 Some(number) => *number,
                 None if is_optional && self.text(at).is_empty() => f64::NAN,
+                // Unlike the substitute, this is not a value.
+                None if request.value.is_some() => self.read(at).unwrap_or_else(|| {
+                    self.not_a_number(at, rows);
+                    f64::NAN
+                }),
                 None => self.number(at, rows),
             });
         }
@@ -299,8 +304,7 @@ impl Row<'_> {
 
     /// Returns the number of a cell, if it is one.
     fn read(&self, at: usize) -> Option<f64> {
-        let text = std::str::from_utf8(self.text(at));
-        text.ok().and_then(|text| text.parse().ok())
+        str::from_utf8(self.text(at)).ok()?.parse().ok()
     }
 
     /// Returns a coordinate; if it cannot be read, one that no other column has.
@@ -314,15 +318,18 @@ impl Row<'_> {
 
     fn number(&self, at: usize, rows: &mut Rows) -> f64 {
         self.read(at).unwrap_or_else(|| {
-            let text = self.text(at);
-            if text.is_empty() {
+            if self.text(at).is_empty() {
                 return self.empty(at, None, rows);
             }
-            let column = self.header.name(at);
-            rows.note(Wrong::Number, column, || {
-                let text = quote(&String::from_utf8_lossy(text));
-                Fault::new(format!("{}: {text} is not a number", self.cell(column)))
-            })
+            self.not_a_number(at, rows)
+        })
+    }
+
+    fn not_a_number(&self, at: usize, rows: &mut Rows) -> f64 {
+        let column = self.header.name(at);
+        rows.note(Wrong::Number, column, || {
+            let text = quote(&String::from_utf8_lossy(self.text(at)));
+            Fault::new(format!("{}: {text} is not a number", self.cell(column)))
         })
     }
 

@@ -33,18 +33,19 @@ pub(crate) use select::Names;
 pub(crate) use values::Values;
 
 use crate::{
+    diagnostic::path::Path,
     parallel::Pool,
     scene::{
-        format::geometry::table::RowKind,
+        format::{color_by::ColorByModel, geometry::table::RowKind},
         table::{
             bytes::{Bytes, Reading},
             check::Check,
             extent::Extent,
             layout::{Block, COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
-            select::ColumnNames,
+            select::{ColumnNames, Known},
         },
     },
-    text::nearest::quote,
+    text::nearest::{list, quote},
     tracer::{error::GeometryError, shape::instances::Rows as TransformRows},
 };
 
@@ -118,6 +119,13 @@ impl Format {
         columns.chain(select::rotation_of(kind).iter().copied())
     }
 
+    /// Returns the names of the columns of colors.
+    pub(crate) fn color_names(self, kind: RowKind) -> impl Iterator<Item = &'static str> {
+        let hex = Known::of_csv(kind).hex.filter(|_| self == Self::Csv);
+        let channels = self.columns(kind).into_iter().skip(COLORS.start).flatten();
+        channels.chain(hex)
+    }
+
     /// Returns the name of a column, by its place among all.
     pub(crate) fn column(self, kind: RowKind, at: usize) -> Option<&'static str> {
         match (kind, self.columns(kind).get(at)) {
@@ -156,7 +164,7 @@ impl Request<'_> {
             return Ok(());
         }
         let fault = Fault::new(format!("`columns` is given, but {has_names}"));
-        Err(fault.help("remove `columns`").at("columns"))
+        Err(fault.help("remove `columns`").at(Blamed::Columns))
     }
 
     /// Rejects the name of an array for a file that has no named arrays.
@@ -165,7 +173,7 @@ impl Request<'_> {
             return Ok(());
         }
         let fault = Fault::new("`array` is given, but only .npz files have named arrays");
-        Err(fault.help("remove `array`").at("array"))
+        Err(fault.help("remove `array`").at(Blamed::Array))
     }
 }
 
@@ -193,7 +201,29 @@ pub(crate) struct Fault {
     pub(crate) message: String,
     pub(crate) help: Option<String>,
     /// The field of the scene that is at fault.
-    pub(crate) field: &'static str,
+    pub(crate) blamed: Blamed,
+}
+
+/// A field of a geometry that names a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Blamed {
+    File,
+    Columns,
+    Array,
+    /// The column whose values determine the colors.
+    Value,
+}
+
+impl Blamed {
+    /// Returns the path of the field, given that of the geometry.
+    pub(crate) fn path_in(self, variant: &Path) -> Path {
+        match self {
+            Self::File => variant.field("file"),
+            Self::Columns => variant.field("columns"),
+            Self::Array => variant.field("array"),
+            Self::Value => variant.field("color_by").field("column"),
+        }
+    }
 }
 
 impl Fault {
@@ -201,13 +231,19 @@ impl Fault {
         Self {
             message: message.into(),
             help: None,
-            field: "file",
+            blamed: Blamed::File,
         }
     }
 
-    const fn at(mut self, field: &'static str) -> Self {
-        self.field = field;
+    const fn at(mut self, blamed: Blamed) -> Self {
+        self.blamed = blamed;
         self
+    }
+
+    /// Blames the choice of a column whose values are not numbers; `others` are those to choose from.
+    pub(crate) fn blame_value(self, others: &[&str]) -> Self {
+        let help = format!("choose another column: {}", list(others));
+        self.help(help).at(Blamed::Value)
     }
 
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
@@ -356,6 +392,12 @@ impl Table {
     /// Returns the rows that could not be read; if there are any, the table must not be used.
     pub(crate) fn bad_rows(&self) -> &[BadRows] {
         &self.bad_rows
+    }
+
+    /// Returns true if rows could not be read because no row has a number in the column of the values.
+    pub(crate) fn has_no_numbers(&self, bad: &BadRows, by: &ColorByModel) -> bool {
+        let is_of_value = bad.wrong == Wrong::Number && *bad.column == *by.column;
+        is_of_value && self.values().is_some_and(|values| values.range().is_none())
     }
 
     /// Returns the names of the columns.

@@ -7,9 +7,9 @@ use std::io::Read;
 
 use crate::{
     scene::table::{
-        Fault, Names, ReadError, Request, Table,
+        Blamed, Fault, Names, ReadError, Request, Table,
         bytes::{Reading, read_bytes},
-        layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar},
+        layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
         select::{Known, Selection, columns, coordinates},
     },
     text::{
@@ -271,7 +271,7 @@ fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<
                 "the array has {count} columns, but `columns` has {} names",
                 names.len()
             );
-            let fault = Fault::new(message).at("columns");
+            let fault = Fault::new(message).at(Blamed::Columns);
             return Err(fault.help("name each column; `_` is a name for one to skip"));
         }
         return Ok((rows, names.iter().map(|name| name.to_string()).collect()));
@@ -342,16 +342,29 @@ pub(super) fn choose(cells: &[Cell], request: &Request) -> Result<(Columns<Chose
     let known = Known::of_array(request.kind());
     let selection = Selection::new(&names, &known, request).map_err(|fault| {
         let is_named = request.columns.is_some();
-        fault.at(if is_named { "columns" } else { "file" })
+        fault.at(match is_named {
+            true => Blamed::Columns,
+            false => Blamed::File,
+        })
     })?;
     let mut chosen = [None; _];
     for (at, (chosen, place)) in chosen.iter_mut().zip(selection.places).enumerate() {
         let cell = place.and_then(|place| Some((place, cells.get(place)?)));
         if let Some((place, cell)) = cell {
-            *chosen = Some((place, cell.column(COLORS.contains(&at))?));
+            let column = cell.column(COLORS.contains(&at));
+            let column = column.map_err(|fault| match at {
+                VALUE if request.value.is_some() => fault.blame_value(&names_of_numbers(cells)),
+                _ => fault,
+            })?;
+            *chosen = Some((place, column));
         }
     }
     Ok((chosen, selection.names))
+}
+
+fn names_of_numbers(cells: &[Cell]) -> Vec<&str> {
+    let cells = cells.iter().filter(|cell| scalar(&cell.descr).is_some());
+    cells.map(|cell| cell.name.as_str()).collect()
 }
 
 impl Cell {

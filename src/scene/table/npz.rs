@@ -9,7 +9,7 @@ use zip::{ZipArchive, result::ZipError};
 
 use crate::{
     scene::table::{
-        Fault, ReadError, Request, Table,
+        Blamed, Fault, ReadError, Request, Table,
         bytes::{Bytes, read_bytes},
         check::Check,
         layout::{Column, Layout},
@@ -89,7 +89,7 @@ fn main(headers: &[(usize, String, Header)], request: &Request) -> Result<Option
                     format!("no array {wanted} with rows of columns, expected one of {names}")
                 }
             };
-            let fault = Fault::new(message).at("array");
+            let fault = Fault::new(message).at(Blamed::Array);
             match nearest(wanted, &names) {
                 Some(name) => fault.help(format!("did you mean `{name}`?")),
                 None => fault,

@@ -16,7 +16,7 @@ use crate::{
     scene::table::{
         Fault, ReadError, Request, Table,
         bytes::{Reading, read_bytes},
-        layout::{COLORS, Columns, Endian, Scalar},
+        layout::{COLORS, Columns, Endian, Scalar, VALUE},
         select::{self, Known, Names},
     },
     text::nearest::quote,
@@ -144,7 +144,11 @@ impl Selection {
             let Type::Scalar(scalar) = property.kind else {
                 let name = quote(&property.name);
                 let message = format!("the property {name} is a list, expected a number");
-                return Err(Fault::new(message));
+                let fault = Fault::new(message);
+                return Err(match at {
+                    VALUE => fault.blame_value(&names_of_numbers(vertex)),
+                    _ => fault,
+                });
             };
             let selected = Selected {
                 index,
@@ -173,6 +177,12 @@ impl Selection {
     pub(crate) fn has(&self) -> Columns<bool> {
         self.columns.map(|selected| selected.is_some())
     }
+}
+
+fn names_of_numbers(vertex: &Element) -> Vec<&str> {
+    let properties = vertex.properties.iter();
+    let numbers = properties.filter(|property| matches!(property.kind, Type::Scalar(_)));
+    numbers.map(|property| property.name.as_str()).collect()
 }
 
 /// Sets the divisor of a channel: 255 for bytes.
