@@ -12,7 +12,11 @@ use crate::{
     parallel::timings::{Stage, Watch},
     scene::{
         build, files,
-        format::{geometry::GeometryModel, scene::Model, warning::WarningName},
+        format::{
+            geometry::{GeometryModel, nesting::Ordinal},
+            scene::Model,
+            warning::WarningName,
+        },
         locate::Locator,
         meshes, nested,
         options::ReadOptions,
@@ -160,6 +164,7 @@ impl Found {
             levels: &options.levels,
             is_part: options.is_part
                 && (options.nest.is_some() || model.all_cameras().next().is_none()),
+            files_have_errors: found.iter().any(Problem::is_error),
         };
         let (mut problems, tally) = validate::problems(&model, &tables, &aspects, stand_ins, most);
         problems.extend(found);
@@ -266,7 +271,8 @@ pub(super) fn check(
         let is_lost = locator.range(&materials, Focus::Key).is_some()
             && locator.range(&materials, Focus::Value).is_none();
         let problems = problems.filter(|problem| match problem.code() {
-            Code::NothingVisible => false,
+            Code::NothingVisible | Code::CannotFit => false,
+            Code::EmptyScene => !loses_a_group(&found.model, &locator),
             Code::UnknownName => !is_lost,
             // Stand-ins may be equal, which says nothing of what they stand for.
             Code::DuplicateGeometry => {
@@ -297,6 +303,15 @@ pub(super) fn check(
         suppressed: more,
         ..Checked::refused(diagnostics)
     }
+}
+
+/// Returns true if the geometries of a group could not be read: it may not be empty.
+fn loses_a_group(model: &Model, locator: &Locator<'_>) -> bool {
+    let is_lost = |(at, geometry): (Ordinal, &GeometryModel)| {
+        let list = || model.path_of(at).field("geometries");
+        geometry.group().is_some() && locator.range(&list(), Focus::Value).is_none()
+    };
+    model.walk().any(is_lost)
 }
 
 /// Counts the faults that are reported but not kept.

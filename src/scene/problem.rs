@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, mem, ops::Range};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Fix, Label, path::Path},
+    diagnostic::{Code, Diagnostic, Fix, Label, Severity, path::Path},
     text::{nearest::quote, syntax::Fault},
 };
 
@@ -115,6 +115,11 @@ impl Problem {
 
     pub(crate) const fn code(&self) -> Code {
         self.diagnostic.code
+    }
+
+    /// Returns true if its code is that of an error.
+    pub(crate) fn is_error(&self) -> bool {
+        self.code().severity() == Severity::Error
     }
 
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {

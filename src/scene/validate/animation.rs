@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::{
-        Code, Severity,
+        Code,
         path::{Path, Step},
     },
     scene::{
@@ -266,8 +266,7 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     {
         found.color_by(geometry, at, model);
     }
-    let is_error = |problem: &Problem| problem.code().severity() == Severity::Error;
-    found.list.into_iter().find(is_error)
+    found.list.into_iter().find(Problem::is_error)
 }
 
 /// Moves a fault at a frame to the track that causes it, or to the orbit.

@@ -47,6 +47,8 @@ pub(crate) struct Aspects<'a> {
     pub(crate) levels: &'a Levels,
     /// True for a part of another scene, whose camera and lights are not known.
     pub(crate) is_part: bool,
+    /// True if the files that the scene names have errors.
+    pub(crate) files_have_errors: bool,
 }
 
 /// Returns every problem of a scene, except those that were found in its tables and parts when they
@@ -141,7 +143,8 @@ pub(crate) fn problems(
         found.frames(model, frames);
     }
     let fits = || start.all_cameras().any(|(_, camera)| camera.is_fit());
-    if !is_part && !found.has_errors() && fits() && is_whole(model, tables) {
+    let is_whole = || !aspects.files_have_errors && is_whole(model, tables);
+    if !is_part && !found.has_errors() && fits() && is_whole() {
         found.framing(start, &framing);
     }
     let is_known = !is_part && (frames.is_some() || model.animation.is_none());
@@ -223,8 +226,7 @@ impl Found {
     }
 
     fn has_errors(&self) -> bool {
-        let mut codes = self.list.iter().map(Problem::code);
-        codes.any(|code| code.severity() == Severity::Error)
+        self.list.iter().any(Problem::is_error)
     }
 
     fn image(&mut self, image: Option<&ImageModel>) {
