@@ -150,19 +150,20 @@ impl Problem {
         text: &str,
         locate: impl Fn(&Path, Focus) -> Option<Range<usize>>,
     ) -> Diagnostic {
-        let mut labels: Vec<Label> = Vec::new();
+        let mut labels: Vec<(Path, Label)> = Vec::new();
         for (path, focus, message) in self.labels {
             if let Some(range) = locate(&path, focus) {
-                labels.push(Label { range, message });
+                labels.push((path, Label { range, message }));
             }
         }
         let mut placed = self.diagnostic;
         // Only the text determines which of the two keys comes later.
         if matches!(placed.code, Code::GazeOrLookAt | Code::OneOf)
-            && let Some(label) = labels.first_mut()
+            && let Some((path, label)) = labels.first_mut()
             && label.range.start > range.start
         {
             mem::swap(&mut label.range, &mut range);
+            mem::swap(path, &mut placed.path);
         }
         if self.shows_value {
             // As written: 1e999 has become infinite, and 5e-324 would have 324 digits.
@@ -171,7 +172,7 @@ impl Problem {
         }
         Diagnostic {
             range,
-            labels,
+            labels: labels.into_iter().map(|(_, label)| label).collect(),
             ..placed
         }
     }
@@ -187,5 +188,34 @@ pub(crate) fn syntax_fault(fault: &Fault) -> Diagnostic {
     match &fault.label {
         Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
         None => diagnostic,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{scene::document::Document, text::syntax::Syntax};
+
+    #[test]
+    fn of_two_fields_the_later_one_is_at_fault() {
+        let sphere = |fields: &str| {
+            format!("(camera: Fit(), geometries: [Sphere(center: (0, 0, 0), radius: 1, {fields})])")
+        };
+        let camera = |fields: &str| {
+            format!("(camera: Orthographic(eye: (0, 0, 9), scale: 1, {fields}), geometries: [])")
+        };
+        let (color, material) = ("color: \"#fff\"", "material: Matte(color: \"#f00\")");
+        let (gaze, look_at) = ("gaze: (0, 0, -1)", "look_at: (0, 0, 0)");
+        for (text, expected) in [
+            (sphere(&format!("{color}, {material}")), "material"),
+            (sphere(&format!("{material}, {color}")), "color"),
+            (camera(&format!("{gaze}, {look_at}")), "look_at"),
+            (camera(&format!("{look_at}, {gaze}")), "gaze"),
+        ] {
+            let document = Document::from_text("a.ron", &*text, Syntax::Ron);
+            let fault = &document.diagnostics()[0];
+            assert_eq!(&text[fault.range.clone()], expected, "{text}");
+            let path = fault.path.to_string();
+            assert_eq!(path.rsplit_once('.').map(|(_, last)| last), Some(expected));
+        }
     }
 }
