@@ -141,6 +141,36 @@ fn values_are_checked_at_their_position() {
     assert_eq!(folder.names(), ["a.json", "a.ron"]);
 }
 
+#[test]
+fn the_angle_of_a_camera_without_projection_can_be_set() {
+    let folder = Folder::new();
+    let ball = "geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#f00\")]";
+    let fov = |args: &[&str]| {
+        let done = run(&mut folder.strahl(["info"].iter().chain(args)));
+        let info = String::from_utf8(done.quiet_success()).unwrap();
+        assert!(info.contains("fov 2α       60.0 degrees"), "{info}");
+    };
+    folder.write("a.ron", format!("(camera: Fit(), {ball})"));
+    run(&mut folder.strahl(["convert", "a.ron", "a.json"])).quiet_success();
+    folder.write("b.ron", format!("({ball})"));
+    fov(&["a.ron", "--set", "camera.projection.fov=60"]);
+    fov(&["a.json", "--set", "camera.projection.fov=60"]);
+    let args = ["render", "b.ron", "--fit", "-o", "-", "--size=8x8"];
+    let done = run(&mut folder.strahl(
+        args.into_iter()
+            .chain(["--set", "camera.projection.fov=60"]),
+    ));
+    done.quiet_success();
+    let args = ["validate", "a.ron", "--set", "camera.projection.scale=2"];
+    let done = run(&mut folder.strahl(args));
+    assert_eq!(done.status, Some(2));
+    let report = String::from_utf8(done.stdout).unwrap();
+    assert!(
+        report.contains("unknown field `scale`, expected one of `fov`"),
+        "{report}"
+    );
+}
+
 /// Returns the report of `PATH:LINE:COLUMN: SEVERITY[CODE]: MESSAGE` for tools: at the start of the
 /// scene.
 fn in_file(scene: &str, messages: &str) -> String {

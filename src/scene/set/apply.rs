@@ -221,7 +221,15 @@ fn lead_alike(one: &[Step], other: &[Step]) -> bool {
 mod tests {
     use super::*;
     use crate::{
-        scene::{convert, recover::name_of, tests::oracle},
+        scene::{
+            convert,
+            format::{
+                camera::CameraModel,
+                fit::{FitModel, PerspectiveProjectionModel, ProjectionModel},
+            },
+            recover::name_of,
+            tests::oracle,
+        },
         text::syntax::{Kind, NodeId, Tree},
     };
 
@@ -376,6 +384,26 @@ mod tests {
                 let changed = |index: &usize| lights[0][*index] != lights[1][*index];
                 assert_eq!((0..3).filter(changed).collect::<Vec<_>>(), [light]);
             }
+        }
+    }
+
+    #[test]
+    fn the_variant_that_is_meant_is_added() {
+        for syntax in [Syntax::Ron, Syntax::Json] {
+            let mut model = Model {
+                camera: Some(CameraModel::Fit(FitModel::default())),
+                ..Model::default()
+            };
+            let setting: Setting = "camera.projection.fov=60".parse().unwrap();
+            let applied = Applied::to(&mut model, std::slice::from_ref(&setting), syntax);
+            assert_eq!(applied.settings[0].faults, []);
+            let camera = model.camera.unwrap();
+            assert_eq!(
+                camera.projection(),
+                Some(&ProjectionModel::Perspective(PerspectiveProjectionModel {
+                    fov: 60.0
+                }))
+            );
         }
     }
 

@@ -31,8 +31,9 @@ const MAPS: [(&[&str], &str); 3] = [
     (&["animation", "tracks"], "track"),
 ];
 
-/// The fields that are enums with one variant, which is meant where there is none.
-const ALONE: [(&str, &str); 1] = [("lighting", "Direct")];
+/// The fields that are enums, with the variant that is meant where there is none. A number that it
+/// needs is its only field.
+const MEANT: [(&str, &str); 2] = [("lighting", "Direct"), ("projection", "Perspective")];
 
 /// Returns the kind of values in the map at the end of the steps, if it is one.
 fn map_at(steps: &[Part]) -> Option<&'static str> {
@@ -336,7 +337,7 @@ fn new_field(
             before.push(open);
             after.push(close);
         }
-        let mut enums = ALONE.iter();
+        let mut enums = MEANT.iter();
         variant = enums.find_map(|(field, variant)| (*field == name).then_some(*variant));
         before.push_str(&key(name, tree.syntax()).ok_or_else(|| {
             let message = format!("unknown field {}", quote(name));
