@@ -124,6 +124,17 @@ fn values_are_checked_at_their_position() {
             "1:22: error[wrong-type]: expected a number, found the string `\"4\"`",
         ),
         ("a.json", "background=(0, 0, 0)", "1:12: error[syntax]: "),
+        // One number of a vector.
+        (
+            "a.ron",
+            "camera.gaze[2]=0",
+            "1:16: error[zero-vector]: `gaze` has no direction, its squared length is 0",
+        ),
+        (
+            "a.json",
+            "cameras.top.up[2] = 0",
+            "1:21: error[zero-vector]: `up` has no direction, its squared length is 0",
+        ),
     ] {
         for (command, more) in [("validate", "--output-format=short"), ("render", "-q")] {
             let done = run(&mut folder.strahl([command, scene, more, "--set", setting]));
@@ -139,6 +150,23 @@ fn values_are_checked_at_their_position() {
     }
     assert_eq!(fs::read(folder.path("a.ron")).unwrap(), before);
     assert_eq!(folder.names(), ["a.json", "a.ron"]);
+}
+
+#[test]
+fn a_number_of_a_range_is_reported_at_its_position() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x,y,z,e\n0,0,0,1\n");
+    let range = "geometries: [Spheres(file: \"a.csv\", radius: 1, name: \"t\", \
+                 color_by: (column: \"e\", range: (0, 1)))]";
+    folder.write("a.ron", format!("(camera: Fit(), {range})"));
+    let setting = "geometries.t.color_by.range[1]=-1";
+    let args = ["validate", "a.ron", "--output-format=short", "--set"];
+    let done = run(&mut folder.strahl(args.into_iter().chain([setting])));
+    assert_eq!(done.status, Some(1));
+    let message = "geometries.t.color_by.range[1]:1:32: error[out-of-range]: `range` must rise, \
+                   found `0` to `-1`";
+    let stdout = String::from_utf8(done.stdout).unwrap();
+    assert!(stdout.starts_with(&in_file("a.ron", message)), "{stdout}");
 }
 
 #[test]
