@@ -123,10 +123,10 @@ fn hash(geometry: &GeometryModel, placement: &Placement) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
     // A part that brings its lights does more than a copy of it.
-    let is_alike = geometry.table().is_none()
-        && !geometry
-            .part()
-            .is_some_and(|part| part.lights == Some(true));
+    let has_lights = geometry
+        .part()
+        .is_some_and(|part| part.lights == Some(true));
+    let is_alike = geometry.table().is_none() && !has_lights;
     let (mut sum, mut finite) = (KEY, is_alike);
     let mut add = |bits: u64| {
         // The upper half of a product depends on all bits of both factors.
