@@ -182,7 +182,7 @@ fn list(some: &[ColorValues], all: &[ColorValues]) -> String {
             others.count() == 1
         };
         let name = names.find(is_alone);
-        name.unwrap_or_else(|| table.origin.to_string())
+        format!("`{}`", name.unwrap_or_else(|| table.origin.to_string()))
     });
     shown.collect::<Vec<_>>().join(", ")
 }

@@ -453,7 +453,7 @@ fn a_part_named_a_thousand_times_is_read_once() {
     folder.write("main.ron", main(r#"Part(file: "level11.ron")"#));
     let (status, lines) = validate(&folder, "main.ron");
     assert_eq!(status, Some(1));
-    let limit = "copies of geometries, the maximum is 67108864";
+    let limit = "copies of geometries, the maximum is 4194304";
     assert!(lines.iter().any(|line| line.contains(limit)), "{lines:#?}");
 }
 
@@ -733,7 +733,7 @@ fn a_part_by_a_link_has_the_files_of_that_folder() {
     );
     let info = json(&folder, "info main.ron --output-format json");
     let parts = info["geometries"]["parts"].as_array().unwrap();
-    let counts: Vec<_> = parts.iter().map(|part| &part["count"]).collect();
+    let counts: Vec<_> = parts.iter().map(|part| &part["geometries"]).collect();
     assert_eq!(counts, [&json!(1), &json!(2)], "{info}");
     assert!(info.to_string().contains("b/t.csv"), "{info}");
 }

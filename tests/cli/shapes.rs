@@ -208,11 +208,7 @@ fn a_solid_has_the_terms_of_its_parts() {
         "Difference(of: Box(min: (-1, -1, -5), max: (1, 1, -4)), \
          minus: [Sphere(center: (0, 0, -4), radius: 0.5)]",
     );
-    let pixel = |format: &str| {
-        let args = ["pixel", "scene.ron", "20,15", "--output-format", format];
-        String::from_utf8(run(&mut folder.strahl(args)).quiet_success()).unwrap()
-    };
-    let text = pixel("text");
+    let text = text(&folder, &["pixel", "scene.ron", "16,12"]);
     for part in [
         "Solid, Difference(box 0, sphere 1)",
         "box 0: min = (-1.0, -1.0, -5.0)",
@@ -222,8 +218,7 @@ fn a_solid_has_the_terms_of_its_parts() {
     ] {
         assert!(text.contains(part), "no {part} in {text}");
     }
-    let data: Value = serde_json::from_str(&pixel("json")).unwrap();
-    let terms = &data["geometries"][0];
+    let terms = &data(&folder, &["pixel", "scene.ron", "16,12"])["geometries"][0];
     assert_eq!(terms["form"], "Difference(box 0, sphere 1)");
     assert_eq!(terms["part_1_radius"], 0.5);
 }
@@ -231,8 +226,7 @@ fn a_solid_has_the_terms_of_its_parts() {
 #[test]
 fn an_open_tube_says_so() {
     let folder = scene("Cylinder(from: (-1, 0, -5), to: (1, 0, -5), radius: 1, capped: false");
-    let args = ["pixel", "scene.ron", "20,15"];
-    let text = String::from_utf8(run(&mut folder.strahl(args)).quiet_success()).unwrap();
+    let text = text(&folder, &["pixel", "scene.ron", "20,15"]);
     assert!(
         text.contains("Cylinder, open, from a (-1.0, 0.0, -5.0)"),
         "{text}"

@@ -77,7 +77,7 @@ fn several_scales_need_a_choice() {
     let done = run(&mut folder.strahl(["legend", "scene.ron", "-o", "a.svg"]));
     assert_eq!(done.status, Some(2));
     assert!(
-        done.stderr.contains("`--geometry`: \"atoms\", 1"),
+        done.stderr.contains("`--geometry`: `atoms`, `1`"),
         "{}",
         done.stderr
     );
@@ -173,7 +173,7 @@ fn a_legend_never_replaces_what_it_is_made_of() {
     // Numpy arrays are tables, and pictures as well.
     folder.write(
         "table.npy",
-        fs::read("tests/valid/tables/numpy-fields-xyz-color.npy").unwrap(),
+        fs::read("tests/valid/tables/numpy-structured-xyz-radius-color.npy").unwrap(),
     );
     folder.write(
         "array.ron",
@@ -181,7 +181,11 @@ fn a_legend_never_replaces_what_it_is_made_of() {
     );
     let before = fs::read(folder.path("table.npy")).unwrap();
     let done = run(&mut folder.strahl(["legend", "array.ron", "-o", "table.npy"]));
-    done.one_line(2, &["would overwrite its scene", "table.npy"]);
+    assert_eq!(done.status, Some(2));
+    assert!(
+        done.stderr
+            .contains("table.npy: the picture would overwrite its scene")
+    );
     assert_eq!(fs::read(folder.path("table.npy")).unwrap(), before);
 }
 
@@ -207,11 +211,11 @@ fn a_legend_has_a_form_that_holds_it() {
 #[test]
 fn tables_in_parts_have_names() {
     let folder = Folder::new();
-    folder.write("atoms.csv", TABLE);
+    folder.write("atoms.csv", "x,y,z,radius\n0,0,-3,0.5\n2,0,-5,0.25\n");
     let table = |column: &str, more: &str| {
         format!("Spheres(file: \"atoms.csv\", color_by: (column: \"{column}\"){more}),")
     };
-    let part = table("energy", "") + &table("x", ", name: \"far\"");
+    let part = table("radius", "") + &table("x", ", name: \"far\"");
     folder.write("part.ron", format!("(geometries: [{part}])"));
     let scene = "(camera: Fit(), geometries: [
         Part(file: \"part.ron\"),
@@ -225,13 +229,13 @@ fn tables_in_parts_have_names() {
     let done = run(&mut folder.strahl(["legend", "scene.ron", "-o", "a.svg"]));
     done.one_line(
         2,
-        &["choose one by `--geometry`: 0.0, 0.far, right.0, right.far"],
+        &["choose one by `--geometry`: `0.0`, `0.far`, `right.0`, `right.far`"],
     );
-    legend("right").one_line(2, &["choose one by `--geometry`: right.0, right.far"]);
+    legend("right").one_line(2, &["choose one by `--geometry`: `right.0`, `right.far`"]);
     for (geometry, column) in [
-        ("0.0", "energy"),
+        ("0.0", "radius"),
         ("0.far", "x"),
-        ("right.0", "energy"),
+        ("right.0", "radius"),
         ("right.1", "x"),
         ("1.far", "x"),
     ] {

@@ -95,7 +95,8 @@ pub struct IntersectionModel {
 pub struct DifferenceModel {
     /// The solid that is cut.
     pub of: Box<GeometryModel>,
-    /// The solids that are cut away. A cut shows the color of the solid that made it.
+    /// The solids that are cut away. A cut shows the color of the solid that made it. Let one stand out of
+    /// a face that it opens: if it ends there, rounding may leave specks.
     #[schemars(length(min = 1))]
     pub minus: Vec<GeometryModel>,
     /// The color of those without their own: a matte surface. Give this or `material`, or neither if
