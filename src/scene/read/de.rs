@@ -150,14 +150,15 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
             return Err(Unknown);
         }
         self.depth += 1;
-        let value = if RON {
-            visitor.visit_enum(Variant(&mut *self))?
-        } else {
-            self.expect(Reader::<RON>::STRUCT.0)?;
-            let value = visitor.visit_enum(Variant(&mut *self))?;
-            self.expect(Reader::<RON>::STRUCT.1)?;
-            value
-        };
+        if RON {
+            // As it is: taking the value out of the result would copy every geometry.
+            let value = visitor.visit_enum(Variant(&mut *self));
+            self.depth -= 1;
+            return value;
+        }
+        self.expect(Reader::<RON>::STRUCT.0)?;
+        let value = visitor.visit_enum(Variant(&mut *self))?;
+        self.expect(Reader::<RON>::STRUCT.1)?;
         self.depth -= 1;
         Ok(value)
     }
