@@ -143,7 +143,13 @@ impl Place<'_> {
             Some(_) => format.color_names(named.kind).collect(),
             None => Vec::new(),
         };
+        let all: Vec<_> = table.names().all.iter().map(String::as_str).collect();
+        // One that a misspelt `color_by` means is not needless.
+        let by = named.color_by.map(|by| &*by.column);
+        let by = by.filter(|by| !all.contains(by));
+        let by = by.and_then(|by| nearest(by, &all));
         let unused = table.names().unused.iter().map(String::as_str);
+        let unused = unused.filter(|name| Some(*name) != by);
         let (replaced, unused): (Vec<_>, Vec<_>) = unused.partition(|name| colors.contains(name));
         if !replaced.is_empty() {
             let problem = self.unused(&replaced, named, ": `color_by` gives the colors");
