@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     film::Outlines,
-    scene::origin::Origins,
+    scene::origins::Origins,
     tracer::{
         camera::{Camera, basis::Basis},
         color::Color,

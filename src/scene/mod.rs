@@ -21,6 +21,7 @@ mod nested;
 pub(crate) mod new;
 pub(crate) mod options;
 pub(crate) mod origin;
+pub(crate) mod origins;
 pub(crate) mod part;
 pub(crate) mod path;
 mod place;

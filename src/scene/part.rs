@@ -9,10 +9,7 @@ use std::{
 use crate::{
     diagnostic::{Diagnostic, Severity, Suppressed},
     scene::{
-        format::field::Name,
-        origin::{Origin, Origins},
-        scales::Scales,
-        source::Source,
+        format::field::Name, origin::Origin, origins::Origins, scales::Scales, source::Source,
     },
     tracer::{
         error::GeometryError, geometry::Geometry, light::Light, shape::placed::Placer,

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use crate::{
     scene::{
         format::geometry::GeometryModel,
-        origin::{Origin, Origins},
+        origin::Origin,
+        origins::Origins,
         part::{PartPlace, Places},
         table::{Table, Values},
     },

@@ -13,13 +13,14 @@ use crate::{
     scene::{
         format::{color::ColorModel, geometry::table::RowKind},
         table::{
-            Blamed, Fault, ReadError, Request, Rows, Table, Wrong,
+            Blamed, Fault, ReadError, Request, Table,
             bytes::{BYTE_ORDER_MARK, LONGEST_LINE, check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
+            fault::Wrong,
             layout::{RADIUS, VALUE},
+            rows::{Rows, unread},
             select::{Known, Selection, coordinates, other_kind},
-            unread,
         },
     },
     text::nearest::{list, nearest, quote},

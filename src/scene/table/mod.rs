@@ -10,30 +10,30 @@ pub(crate) mod bytes;
 mod check;
 mod csv;
 mod extent;
+mod fault;
+mod format;
 pub(crate) mod layout;
 mod npy;
 mod npz;
 pub(crate) mod ply;
+mod rows;
 mod select;
 #[cfg(test)]
 mod tests;
 mod values;
 
-use std::{
-    fmt,
-    io::{self, Read},
-    sync::Arc,
-};
+use std::{fmt, io::Read, sync::Arc};
 
 use glam::DVec3;
 
 pub(crate) use check::{Bad, Kind};
+pub(crate) use fault::{BadRows, Blamed, Fault, ReadError, cell, row};
+pub(crate) use format::Format;
 pub(crate) use layout::Row;
 pub(crate) use select::Names;
 pub(crate) use values::Values;
 
 use crate::{
-    diagnostic::path::Path,
     parallel::Pool,
     scene::{
         format::{color_by::ColorByModel, geometry::table::RowKind},
@@ -41,104 +41,13 @@ use crate::{
             bytes::{Bytes, Reading},
             check::Check,
             extent::Extent,
-            layout::{Block, COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
-            select::{ColumnNames, Known},
+            fault::Wrong,
+            layout::{Block, COLORS, Column, Columns, Layout, RADIUS, Scalar, VALUE},
+            rows::Empty,
         },
     },
-    text::nearest::{list, quote},
     tracer::{error::GeometryError, shape::instances::Rows as TransformRows},
 };
-
-/// The file format of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
-    /// Comma-separated values with a header.
-    Csv,
-    /// A numpy array.
-    Npy,
-    /// Numpy arrays with names, in a zip file.
-    Npz,
-    /// The Stanford polygon format; only its vertices are read.
-    Ply,
-    /// Atoms, one per line.
-    Xyz,
-    /// Atoms of the Protein Data Bank, in fixed columns.
-    Pdb,
-}
-
-/// Each format with its file extension.
-const ENDINGS: [(&str, Format); 6] = [
-    (".csv", Format::Csv),
-    (".npy", Format::Npy),
-    (".npz", Format::Npz),
-    (".ply", Format::Ply),
-    (".xyz", Format::Xyz),
-    (".pdb", Format::Pdb),
-];
-
-impl Format {
-    /// Returns the format for a file extension, in either case.
-    pub(crate) fn of_name(name: &str) -> Option<Self> {
-        let (_, ending) = name.rsplit_once('.')?;
-        let is_it = |known: &str| known[1..].eq_ignore_ascii_case(ending);
-        let mut all = ENDINGS.into_iter();
-        all.find_map(|(known, format)| is_it(known).then_some(format))
-    }
-
-    /// Returns true if a file of the format may hold rows of a kind.
-    pub(crate) const fn holds(self, kind: RowKind) -> bool {
-        match self {
-            Self::Csv | Self::Npy | Self::Npz => true,
-            Self::Ply | Self::Xyz | Self::Pdb => matches!(kind, RowKind::Sphere),
-        }
-    }
-
-    /// Returns the file extensions of the formats for rows of a kind, as text.
-    pub(crate) fn endings(kind: RowKind) -> String {
-        let all = ENDINGS.into_iter().filter(|(_, format)| format.holds(kind));
-        let all: Vec<_> = all.map(|(ending, _)| ending).collect();
-        match all.split_last() {
-            Some((last, [])) => (*last).to_owned(),
-            Some((last, others)) => format!("{} or {last}", others.join(", ")),
-            None => String::new(),
-        }
-    }
-
-    /// Returns the names of the columns, without the value; `None` for one that rows of this kind
-    /// never have.
-    pub(crate) const fn columns(self, kind: RowKind) -> ColumnNames {
-        match self {
-            Self::Csv | Self::Npy | Self::Npz | Self::Xyz | Self::Pdb => select::columns(kind),
-            Self::Ply => ply::KNOWN.columns,
-        }
-    }
-
-    /// Returns the names of all columns that rows of a kind may have, without the value.
-    pub(crate) fn column_names(self, kind: RowKind) -> impl Iterator<Item = &'static str> {
-        let columns = self.columns(kind).into_iter().flatten();
-        columns.chain(select::rotation_of(kind).iter().copied())
-    }
-
-    /// Returns the names of the columns of colors.
-    pub(crate) fn color_names(self, kind: RowKind) -> impl Iterator<Item = &'static str> {
-        let hex = Known::of_csv(kind).hex.filter(|_| self == Self::Csv);
-        let channels = self.columns(kind).into_iter().skip(COLORS.start).flatten();
-        channels.chain(hex)
-    }
-
-    /// Returns the name of a column, by its place among all.
-    pub(crate) fn column(self, kind: RowKind, at: usize) -> Option<&'static str> {
-        match (kind, self.columns(kind).get(at)) {
-            (RowKind::Copy, None | Some(None)) => select::rotation(at),
-            (_, name) => name.copied().flatten(),
-        }
-    }
-
-    /// Returns true if the rows are atoms, whose elements have radii and colors.
-    pub(crate) const fn is_atoms(self) -> bool {
-        matches!(self, Self::Xyz | Self::Pdb)
-    }
-}
 
 /// What a scene wants from a table.
 #[derive(Clone, Copy, Debug, Default)]
@@ -186,119 +95,6 @@ pub(crate) struct Defaults {
     pub(crate) color: Option<[f64; 3]>,
 }
 
-/// The reason why a table cannot be read.
-#[derive(Debug)]
-pub(crate) enum ReadError {
-    /// An error of the disk.
-    Io(io::Error),
-    /// A fault in the file.
-    Invalid(Fault),
-}
-
-/// A fault of a table: one line, lower case, without a full stop.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Fault {
-    pub(crate) message: String,
-    pub(crate) help: Option<String>,
-    /// The field of the scene that is at fault.
-    pub(crate) blamed: Blamed,
-}
-
-/// A field of a geometry that names a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Blamed {
-    File,
-    Columns,
-    Array,
-    /// The column whose values determine the colors.
-    Value,
-}
-
-impl Blamed {
-    /// Returns the path of the field, given that of the geometry.
-    pub(crate) fn path_in(self, variant: &Path) -> Path {
-        match self {
-            Self::File => variant.field("file"),
-            Self::Columns => variant.field("columns"),
-            Self::Array => variant.field("array"),
-            Self::Value => variant.field("color_by").field("column"),
-        }
-    }
-}
-
-impl Fault {
-    pub(crate) fn new(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            help: None,
-            blamed: Blamed::File,
-        }
-    }
-
-    const fn at(mut self, blamed: Blamed) -> Self {
-        self.blamed = blamed;
-        self
-    }
-
-    /// Blames the choice of a column whose values are not numbers; `others` are those to choose from.
-    pub(crate) fn blame_value(self, others: &[&str]) -> Self {
-        let help = format!("choose another column: {}", list(others));
-        self.help(help).at(Blamed::Value)
-    }
-
-    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
-    }
-}
-
-/// A fault in a row of a text, found before its numbers are checked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Wrong {
-    Length,
-    Empty,
-    Number,
-    Color,
-    Element,
-    End,
-}
-
-/// Rows that have the same fault in the same column.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct BadRows {
-    wrong: Wrong,
-    column: String,
-    /// The first row, followed by its fault.
-    pub(crate) row: usize,
-    pub(crate) fault: Fault,
-    /// The total number of such rows.
-    pub(crate) count: usize,
-}
-
-impl From<io::Error> for ReadError {
-    fn from(error: io::Error) -> Self {
-        Self::Io(error)
-    }
-}
-
-impl From<Fault> for ReadError {
-    fn from(fault: Fault) -> Self {
-        Self::Invalid(fault)
-    }
-}
-
-/// Formats the place of a row for the start of a message. Rows count from 0, as every index does;
-/// lines of a text from 1, as in editors.
-pub(crate) fn row(row: usize, line: Option<u64>) -> String {
-    let line = line.map_or_else(String::new, |line| format!(" (line {line})"));
-    format!("row {row}{line}")
-}
-
-/// The same for a cell.
-pub(crate) fn cell(index: usize, line: Option<u64>, column: &str) -> String {
-    format!("{}, column {}", row(index, line), quote(column))
-}
-
 /// Spheres or cylinders in rows; clones share the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
@@ -313,13 +109,6 @@ pub(crate) struct Table {
     empty: Arc<Empty>,
     /// The line of the first row, in a text with one line per row.
     first_line: Option<u64>,
-}
-
-/// The rows of a table with empty cells.
-#[derive(Clone, Default)]
-struct Empty {
-    radius: Vec<usize>,
-    color: Vec<usize>,
 }
 
 impl fmt::Debug for Table {
@@ -527,114 +316,6 @@ impl Table {
             }
         }
         false
-    }
-}
-
-/// The rows of a table that is not kept as is, such as a text: f64, row by row.
-struct Rows {
-    bytes: Vec<u8>,
-    rows: usize,
-    empty: Empty,
-    bad: Vec<BadRows>,
-    first_line: Option<u64>,
-}
-
-/// The substitute for a number that could not be read: valid as a coordinate, radius or channel, and
-/// hardly ever the number of another cell.
-const UNREAD: f64 = 0.618_033_988_749_894_9;
-
-/// Returns the substitute for the number in a column: the two ends of a cylinder that could not be read
-/// are not the same point.
-fn unread(column: usize) -> f64 {
-    UNREAD / (column + 1) as f64
-}
-
-impl Rows {
-    const fn new() -> Self {
-        Self {
-            bytes: Vec::new(),
-            rows: 0,
-            empty: Empty {
-                radius: Vec::new(),
-                color: Vec::new(),
-            },
-            bad: Vec::new(),
-            first_line: None,
-        }
-    }
-
-    /// Notes a fault in the next row. Only the first such row is reported, the others are counted.
-    /// Returns the substitute for the number.
-    fn note(&mut self, wrong: Wrong, column: &str, fault: impl FnOnce() -> Fault) -> f64 {
-        let mut all = self.bad.iter_mut();
-        match all.find(|bad| bad.wrong == wrong && bad.column == column) {
-            Some(bad) => bad.count += 1,
-            None => self.bad.push(BadRows {
-                wrong,
-                column: column.to_owned(),
-                row: self.rows,
-                fault: fault(),
-                count: 1,
-            }),
-        }
-        UNREAD
-    }
-
-    /// Adds a row; all rows have equally many numbers.
-    fn push(&mut self, numbers: &[f64], line: Option<u64>) -> io::Result<()> {
-        if self.rows == 0 {
-            self.first_line = line;
-        }
-        // After a skipped line, the row no longer determines its line.
-        self.first_line = self
-            .first_line
-            .filter(|first| Some(first + self.rows as u64) == line);
-        self.reserve(numbers.len() * Scalar::F64.size())?;
-        for number in numbers {
-            self.bytes.extend_from_slice(&number.to_le_bytes());
-        }
-        self.rows += 1;
-        Ok(())
-    }
-
-    /// Adds encoded rows; `empty` lists those with empty cells.
-    fn append(&mut self, bytes: &[u8], rows: usize, empty: &Empty) -> io::Result<()> {
-        self.reserve(bytes.len())?;
-        self.bytes.extend_from_slice(bytes);
-        let first = self.rows;
-        let behind = |row: &usize| first + row;
-        self.empty.radius.extend(empty.radius.iter().map(behind));
-        self.empty.color.extend(empty.color.iter().map(behind));
-        self.rows += rows;
-        Ok(())
-    }
-
-    /// Reserves space: more rows than the memory holds are an error and not an abort.
-    fn reserve(&mut self, size: usize) -> io::Result<()> {
-        if self.bytes.capacity() - self.bytes.len() < size {
-            self.bytes
-                .try_reserve(size.max(self.bytes.len()).max(1 << 16))?;
-        }
-        Ok(())
-    }
-
-    /// Creates the table of these rows, which have the given columns.
-    fn into_table(self, has: Columns<bool>, names: Names, defaults: &Defaults) -> Table {
-        let count = has.into_iter().filter(|has| *has).count();
-        let column = |index: usize| Column::Stored {
-            scalar: Scalar::F64,
-            endian: Endian::Little,
-            start: index * Scalar::F64.size(),
-            step: count * Scalar::F64.size(),
-            divisor: 1.0,
-        };
-        let layout = Layout::some(self.rows, has, defaults, column);
-        Table {
-            empty: self.empty.into(),
-            bad_rows: self.bad,
-            first_line: self.first_line,
-            ..Table::new(Bytes::Rows(self.bytes), Check::new(layout), names)
-        }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// What a solid may be put together from.
-const SOLIDS: &str = "a solid is a Sphere, a Box, a capped Cylinder or Cone, a Capsule, an Ellipsoid, \
+const WHAT_IS_SOLID: &str = "a solid is a Sphere, a Box, a capped Cylinder or Cone, a Capsule, an Ellipsoid, \
                       a Plane, which is all that lies behind it, or put together from these";
 
 impl Found {
@@ -33,7 +33,7 @@ impl Found {
                 let message = format!("`{field}` has no solids, expected at least 1");
                 let place = path.field(field);
                 let problem = Problem::new(Code::WrongType, place, Focus::Value, message);
-                self.push(problem.help(SOLIDS));
+                self.push(problem.help(WHAT_IS_SOLID));
             }
             for geometry in geometries {
                 let at = Ordinal { inner, ..at };
@@ -54,7 +54,7 @@ impl Found {
         };
         let message = format!("{what} is not a solid");
         let path = model.path_of(at);
-        self.push(Problem::new(Code::WrongType, path, Focus::Name, message).help(SOLIDS));
+        self.push(Problem::new(Code::WrongType, path, Focus::Name, message).help(WHAT_IS_SOLID));
     }
 
     fn open(&mut self, capped: Option<bool>, kind: &str, at: Ordinal, model: &Model) {

@@ -10,9 +10,11 @@ use std::io::{self, Read};
 
 use crate::{
     scene::table::{
-        Fault, Names, ReadError, Request, Rows, Table, Wrong,
+        Fault, Names, ReadError, Request, Table,
         atoms::elements::Element,
         bytes::{BYTE_ORDER_MARK, read_bytes},
+        fault::Wrong,
+        rows::Rows,
     },
     text::nearest::quote,
 };

@@ -6,7 +6,7 @@
 use std::{io::Read, ops::Range};
 
 use super::{Atoms, Column, elements::Element, lines, text};
-use crate::scene::table::{Fault, ReadError, Request, Rows, Table};
+use crate::scene::table::{Fault, ReadError, Request, Table, rows::Rows};
 
 /// The places of x, y and z in a line, from 0.
 const CENTER: [(&str, Range<usize>); 3] = [("x", 30..38), ("y", 38..46), ("z", 46..54)];

@@ -8,7 +8,7 @@ use std::{borrow::Cow, io::Read};
 
 use super::{Atoms, COLUMNS, Column, lines, text};
 use crate::{
-    scene::table::{Fault, ReadError, Request, Table, Wrong},
+    scene::table::{Fault, ReadError, Request, Table, fault::Wrong},
     text::nearest::quote,
 };
 

@@ -14,7 +14,7 @@ use crate::{
     scene::{
         format::geometry::table::RowKind,
         table::{
-            Defaults, Empty, ReadError, Request, Rows,
+            Defaults, ReadError, Request,
             bytes::{LONGEST_LINE, check_lines},
             csv::{
                 Header,
@@ -22,6 +22,7 @@ use crate::{
                 hex, line_ends,
             },
             layout::{COLORS, RADIUS, Scalar, VALUE},
+            rows::{Empty, Rows},
         },
     },
     text::syntax::Decimal,

@@ -4,13 +4,15 @@ use std::{iter::Enumerate, str::Lines};
 
 use crate::{
     scene::table::{
-        Defaults, Fault, ReadError, Rows, Table, Wrong, cell,
+        Defaults, Fault, ReadError, Table, cell,
+        fault::Wrong,
         layout::Scalar,
         ply::{
             Selected, Selection, VERTEX,
             header::{Element, Header, Type},
             row_of,
         },
+        rows::Rows,
     },
     text::nearest::quote,
 };

@@ -4,7 +4,7 @@ use std::io::Read;
 
 use crate::{
     scene::table::{
-        Defaults, Fault, ReadError, Rows, Table,
+        Defaults, Fault, ReadError, Table,
         bytes::Reading,
         check::Check,
         layout::{Column, Endian, Layout, VALUE},
@@ -13,6 +13,7 @@ use crate::{
             header::{Element, Header, Type},
             row_of,
         },
+        rows::Rows,
     },
     text::nearest::quote,
 };

@@ -24,37 +24,36 @@ pub(super) struct Part {
     pub(super) around: Option<Around>,
 }
 
-/// A shape that has no inside of one piece.
-struct NotSimple;
-
-/// Returns the part of a ray's line inside a simple solid.
-#[inline]
-fn span(shape: &Shape, ray: &Ray, leaving: Leaving) -> Result<Option<Span>, NotSimple> {
-    Ok(match shape {
-        Shape::Plane(plane) => plane.span(ray, leaving),
-        Shape::Sphere(sphere) => sphere.span(ray, leaving),
-        Shape::Cuboid(cuboid) => cuboid.span(ray, leaving),
-        Shape::Cylinder(cylinder) if cylinder.capped() => cylinder.span(ray, leaving),
-        Shape::Cone(cone) if cone.capped() => cone.span(ray, leaving),
-        Shape::Capsule(capsule) => capsule.span(ray, leaving),
-        Shape::Ellipsoid(ellipsoid) => ellipsoid.span(ray, leaving),
-        Shape::Disc(_)
-        | Shape::Rectangle(_)
-        | Shape::Triangle(_)
-        | Shape::Cylinder(_)
-        | Shape::Cone(_)
-        | Shape::Mesh(_)
-        | Shape::Solid(_)
-        | Shape::Instances(_)
-        | Shape::Placed(_) => return Err(NotSimple),
-    })
+/// Computes something of a simple solid, or another value of any other shape.
+macro_rules! of_simple {
+    ($shape:expr, $solid:ident => $value:expr, else $other:expr) => {
+        match $shape {
+            Shape::Plane($solid) => $value,
+            Shape::Sphere($solid) => $value,
+            Shape::Cuboid($solid) => $value,
+            Shape::Cylinder($solid) if $solid.capped() => $value,
+            Shape::Cone($solid) if $solid.capped() => $value,
+            Shape::Capsule($solid) => $value,
+            Shape::Ellipsoid($solid) => $value,
+            Shape::Disc(_)
+            | Shape::Rectangle(_)
+            | Shape::Triangle(_)
+            | Shape::Cylinder(_)
+            | Shape::Cone(_)
+            | Shape::Mesh(_)
+            | Shape::Solid(_)
+            | Shape::Instances(_)
+            | Shape::Placed(_) => $other,
+        }
+    };
 }
 
 impl Part {
     /// Creates the part with an index; `None` if the shape is not a simple solid.
     pub(super) fn new(shape: Shape, index: usize) -> Option<Self> {
-        let any = Ray::new(DVec3::ZERO, DVec3::Z);
-        span(&shape, &any, Leaving::NOTHING).ok()?;
+        if !of_simple!(&shape, _solid => true, else false) {
+            return None;
+        }
         Some(Self {
             around: Around::shape(&shape),
             shape,
@@ -67,7 +66,8 @@ impl Part {
     /// it.
     #[inline]
     pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let mut span = span(&self.shape, ray, leaving).ok()??;
+        let span = of_simple!(&self.shape, solid => solid.span(ray, leaving), else None);
+        let mut span = span?;
         if leaving.face.is_some() {
             span.enter.t = span.enter.t.min(0.0);
         }
@@ -104,21 +104,6 @@ impl Part {
 
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside.
     pub(super) fn depth(&self, point: DVec3) -> f64 {
-        match &self.shape {
-            Shape::Plane(plane) => plane.depth(point),
-            Shape::Sphere(sphere) => sphere.depth(point),
-            Shape::Cuboid(cuboid) => cuboid.depth(point),
-            Shape::Cylinder(cylinder) => cylinder.depth(point),
-            Shape::Cone(cone) => cone.depth(point),
-            Shape::Capsule(capsule) => capsule.depth(point),
-            Shape::Ellipsoid(ellipsoid) => ellipsoid.depth(point),
-            Shape::Disc(_)
-            | Shape::Rectangle(_)
-            | Shape::Triangle(_)
-            | Shape::Mesh(_)
-            | Shape::Solid(_)
-            | Shape::Instances(_)
-            | Shape::Placed(_) => f64::NEG_INFINITY,
-        }
+        of_simple!(&self.shape, solid => solid.depth(point), else f64::NEG_INFINITY)
     }
 }
