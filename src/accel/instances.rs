@@ -196,41 +196,53 @@ impl Kernel for Near<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
+    fn run<S: Simd>(self, simd: S) {
         let (places, ray) = (self.places, OneRay::new(simd, self.probe));
-        places.tree.traverse(simd, &ray, &mut self);
+        let mut search = Search {
+            near: self,
+            ray: &ray,
+        };
+        places.tree.traverse(simd, &ray, &mut search);
     }
 }
 
-impl<S: Simd> Seek<S> for Near<'_> {
+/// The search for copies and its ray in lanes.
+struct Search<'a, 'b, S: Simd> {
+    near: Near<'a>,
+    ray: &'b OneRay<'a, S>,
+}
+
+impl<S: Simd> Seek<S> for Search<'_, '_, S> {
     const ANY: bool = false;
 
     #[inline(always)]
     fn end(&self) -> f64 {
-        self.end
+        self.near.end
     }
 
     #[inline(always)]
     fn visit(&mut self, _: S, leaf: usize) -> bool {
-        let before = self.end;
+        let near = &mut self.near;
+        let before = near.end;
         let Places {
             lists,
             boxes,
             firsts,
             ..
-        } = self.places;
+        } = near.places;
         let first = firsts[leaf] as usize;
         for (copy, bounds) in lists.of(leaf).zip(&boxes[first..]) {
-            if self.probe.meets(bounds, self.end) {
-                self.end = (self.see)(copy as usize, self.end);
+            if self.ray.meets(bounds, near.end) {
+                near.end = (near.see)(copy as usize, near.end);
             }
         }
-        self.end < before
+        near.end < before
     }
 
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
-        simd.prefetch(self.places.lists.place(leaf));
-        simd.prefetch(&self.places.boxes[self.places.firsts[leaf] as usize]);
+        let places = self.near.places;
+        simd.prefetch(places.lists.place(leaf));
+        simd.prefetch(&places.boxes[places.firsts[leaf] as usize]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::{
     arch::x86_64::*,
-    ops::{Add, Mul, Sub},
+    ops::{Add, Div, Mul, Sub},
 };
 
 use super::{F32x8, LANES};
@@ -54,6 +54,7 @@ macro_rules! operator {
 operator!(Add, add, _mm256_add_ps);
 operator!(Sub, sub, _mm256_sub_ps);
 operator!(Mul, mul, _mm256_mul_ps);
+operator!(Div, div, _mm256_div_ps);
 
 impl F32x8 for Float32 {
     #[inline(always)]
@@ -69,9 +70,19 @@ impl F32x8 for Float32 {
     }
 
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
+    fn times_plus(self, factor: Self, more: Self) -> Self {
         // SAFETY: there is no vector without the instructions.
-        Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, less.0) })
+        Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, more.0) })
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        // SAFETY: there is no vector without the instructions.
+        Self(unsafe {
+            let sign = _mm256_set1_ps(-0.0);
+            let size = _mm256_andnot_ps(sign, self.0);
+            _mm256_or_ps(size, _mm256_and_ps(sign, other.0))
+        })
     }
 
     #[inline(always)]

@@ -118,14 +118,16 @@ pub(crate) trait F64x8:
 
 /// Eight f32, for calculations that may be coarse.
 pub(crate) trait F32x8:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// Returns `self < other ? self : other` for each lane: with a NaN in either, `other`.
     fn min(self, other: Self) -> Self;
     /// Returns `self > other ? self : other` for each lane: with a NaN in either, `other`.
     fn max(self, other: Self) -> Self;
-    /// Returns `self * factor - less`; the product may be rounded or not.
-    fn times_less(self, factor: Self, less: Self) -> Self;
+    /// Returns `self * factor + more`; the product may be rounded or not.
+    fn times_plus(self, factor: Self, more: Self) -> Self;
+    /// Returns the absolute values with the signs of others.
+    fn with_sign_of(self, other: Self) -> Self;
     /// Returns the result of `self <= other`, lane i as bit i; false if either operand is NaN.
     fn le(self, other: Self) -> u8;
     fn store(self, to: &mut [f32; LANES]);
@@ -214,13 +216,19 @@ impl Isa {
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
-            Known::Scalar => kernel.run(Scalar),
+            Known::Scalar => run_scalar(kernel),
             #[cfg(target_arch = "x86_64")]
             Known::Avx2(found) => found.run(kernel),
             #[cfg(target_arch = "x86_64")]
             Known::Avx512(found) => found.run(kernel),
         }
     }
+}
+
+/// Runs a kernel apart from the choice of instructions, which is short without it.
+#[inline(never)]
+fn run_scalar<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Scalar)
 }
 
 impl Default for Isa {
@@ -314,7 +322,16 @@ mod tests {
             let float = |x: f64| x as f32;
             let (a, b) = (self.0.map(float), self.1.map(float));
             let (a, b) = (simd.load_f32(&a), simd.load_f32(&b));
-            for vector in [a + b, a - b, a * b, a.min(b), a.max(b), simd.splat_f32(0.1)] {
+            for vector in [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                a.min(b),
+                a.max(b),
+                a.with_sign_of(b),
+                simd.splat_f32(0.1),
+            ] {
                 let mut lanes = [0.0; LANES];
                 vector.store(&mut lanes);
                 bits.extend(lanes.map(|x| if x.is_nan() { 1 } else { x.to_bits().into() }));

@@ -181,8 +181,13 @@ impl F32x8 for Lanes<f32> {
     }
 
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
-        self * factor - less
+    fn times_plus(self, factor: Self, more: Self) -> Self {
+        self * factor + more
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        self.with(other, f32::copysign)
     }
 
     #[inline(always)]

@@ -247,6 +247,7 @@ impl World {
 
     /// Returns the index of the geometry and the crossing of [`World::hit_from`] if its `t` is below
     /// `t_max`.
+    #[inline(always)]
     pub(crate) fn nearest(
         &self,
         ray: &Ray,
@@ -265,6 +266,7 @@ impl World {
     }
 
     /// Returns a face of a geometry.
+    #[inline(always)]
     pub(crate) fn own(&self, own: Option<FaceId>) -> Option<Own<'_>> {
         let FaceId { geometry, face } = own?;
         Some(Own::new(self.geometries.get(geometry)?.shape(), face))

@@ -37,9 +37,9 @@
 //! itself, wherever the world lies. No center is farther than `reach = |x| + |y| + |z| + 2` from an
 //! origin at x, y, z. Rounding to f32 moves the origin, a center or a plane of a box by at most
 //! `2⁻²⁴·reach`, and so does each operation of the tests in `traverse.rs`: in total, a plane of a box
-//! moves by less than 5e-7·reach, widening included. [`SLACK`] is four times that. The product of the
-//! origin and the reciprocal there is one of them: its error is that of an origin that is moved by
-//! `2⁻²⁴` of itself. A product that is fused is not rounded.
+//! moves by less than 6e-7·reach, widening included. [`SLACK`] is three times that. The product of the
+//! origin and the reciprocal there is one of them, and so is its sum with the slack: their errors are
+//! those of an origin that is moved by `2⁻²⁴` of itself. A product that is fused is not rounded.
 //!
 //! If the ray's direction is almost along an axis, its other components are raised to [`SMALLEST`],
 //! so that no quotient is infinite or NaN; over the reach of a ray this moves it by 2e-9·reach,
@@ -60,7 +60,7 @@ use crate::{
 const SLACK: f64 = 2e-6;
 
 /// The smallest component of a direction of about unit length.
-const SMALLEST: f64 = 1e-9;
+pub(super) const SMALLEST: f32 = 1e-9;
 
 /// The largest reach. Beyond it the slack would be as large as the world, and the plain loop is as
 /// good.
@@ -84,16 +84,15 @@ pub(crate) struct Frame {
     scale: f64,
 }
 
-/// A ray in the coordinates of a [`Frame`], prepared for the tests in f32.
+/// A ray in the coordinates of a [`Frame`], for the tests in f32.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Probe {
-    /// The reciprocals of the direction, at a length from 1/√3 to 2.
-    pub(super) inverse: [f32; 3],
-    /// The origin moved forwards by the slack: from there, the planes that the ray meets first are
-    /// that much nearer.
-    pub(super) entering: [f32; 3],
-    /// The origin moved backwards by the slack.
-    pub(super) leaving: [f32; 3],
+    /// The center of the frame, as seen from the origin.
+    pub(super) center: [f32; 3],
+    /// The direction, at a length from 1/√3 to 2. A component may be as small as 0.
+    pub(super) direction: [f32; 3],
+    /// The margin by which boxes are grown.
+    pub(super) slack: f32,
     /// The distance per unit of `t`, in lengths of that direction.
     per_t: f64,
 }
@@ -182,9 +181,9 @@ impl Frame {
     /// the plain loop. Inlined: a probe that is moved as a whole is waited for.
     #[inline(always)]
     pub(crate) fn probe(&self, ray: &Ray) -> Option<Probe> {
-        let origin = (ray.origin() - self.center) * self.scale;
+        let center = (self.center - ray.origin()) * self.scale;
         let size = ray.direction().abs().element_sum();
-        let reach = origin.abs().element_sum() + 2.0;
+        let reach = center.abs().element_sum() + 2.0;
         // NaN is in no range.
         if !(ORDINARY.contains(&size) && (0.0..=FARTHEST).contains(&reach)) {
             return None;
@@ -192,24 +191,10 @@ impl Frame {
         // The next smaller power of two and its reciprocal: a root would be waited for.
         let length = f64::from_bits(size.to_bits() & EXPONENT);
         let direction = ray.direction() * f64::from_bits(RECIPROCAL - length.to_bits());
-        let slack = SLACK * reach;
-        // Four lanes, the last two the same: three would be computed one by one.
-        let four = |[x, y, z]: [f64; 3]| [x, y, z, z];
-        let along = four(direction.to_array()).map(|x| x.abs().max(SMALLEST).copysign(x));
-        let origin = four(origin.to_array());
-        let ahead = along.map(|x| slack.copysign(x));
-        let mut inverse = [0.0; 4];
-        let (mut entering, mut leaving) = ([0.0; 4], [0.0; 4]);
-        for lane in 0..4 {
-            inverse[lane] = 1.0 / along[lane] as f32;
-            entering[lane] = (origin[lane] + ahead[lane]) as f32;
-            leaving[lane] = (origin[lane] - ahead[lane]) as f32;
-        }
-        let three = |[x, y, z, _]: [f32; 4]| [x, y, z];
         Some(Probe {
-            inverse: three(inverse),
-            entering: three(entering),
-            leaving: three(leaving),
+            center: center.as_vec3().to_array(),
+            direction: direction.as_vec3().to_array(),
+            slack: (SLACK * reach) as f32,
             per_t: length * self.scale,
         })
     }
@@ -256,7 +241,8 @@ impl Frame {
                 false => [sides[0], sides[1], 1.0],
             };
             for (inverse, along) in beam.inverse.iter_mut().zip(along) {
-                inverse[axis] = 1.0 / along.abs().max(SMALLEST).copysign(along) as f32;
+                let along = along as f32;
+                inverse[axis] = 1.0 / along.abs().max(SMALLEST).copysign(along);
             }
             beam.entering[axis] = (ahead + slack * forwards) as f32;
             beam.leaving[axis] = (back - slack * forwards) as f32;
@@ -274,23 +260,6 @@ impl Beam {
 }
 
 impl Probe {
-    /// Returns true if the ray meets a box in the frame, given by its lower and upper corners, before
-    /// `t`, or comes close to it: a test like that of the nodes of a tree.
-    #[inline(always)]
-    pub(crate) fn meets(&self, [low, high]: &[[f32; 3]; 2], t: f64) -> bool {
-        let (mut enter, mut leave) = (0.0_f32, self.distance(t));
-        for axis in 0..3 {
-            let inverse = self.inverse[axis];
-            let [first, last] = match inverse < 0.0 {
-                true => [high[axis], low[axis]],
-                false => [low[axis], high[axis]],
-            };
-            enter = enter.max((first - self.entering[axis]) * inverse);
-            leave = leave.min((last - self.leaving[axis]) * inverse);
-        }
-        enter <= leave
-    }
-
     /// Returns the distance of `t` along the ray, or slightly more.
     #[inline(always)]
     pub(super) fn distance(&self, t: f64) -> f32 {
@@ -371,7 +340,5 @@ mod tests {
         assert!(probe(DVec3::X, DVec3::NAN).is_none());
         assert!(probe(DVec3::X * 1e6, DVec3::Y).is_none());
         assert!(probe(DVec3::INFINITY, DVec3::Y).is_none());
-        let probe = probe(DVec3::X, DVec3::Y).unwrap();
-        assert!(probe.inverse.iter().all(|x| x.is_finite()));
     }
 }

@@ -245,6 +245,7 @@ impl Hierarchy {
         Some((nearest.index, nearest.crossing()))
     }
 
+    #[inline(always)]
     fn nearest(
         &self,
         world: &World,

@@ -4,7 +4,7 @@
 use crate::{
     accel::bvh::{
         Tree,
-        frame::{Beam, Probe},
+        frame::{Beam, Probe, SMALLEST},
         node::{Link, Node, Place},
     },
     simd::{F32x8, LANES, Simd},
@@ -193,7 +193,8 @@ impl Later {
     }
 }
 
-/// The planes of a node that a ray meets first, for each axis, and those opposite to them.
+/// The planes of a node that a ray meets first, for each axis, and those opposite to them: the places
+/// of their numbers.
 #[derive(Clone, Copy)]
 struct Order {
     first: [usize; 3],
@@ -201,22 +202,36 @@ struct Order {
 }
 
 impl Order {
+    /// Creates the order of a ray whose direction is negative along the axes that are bits.
     #[inline(always)]
-    fn new(inverse: &[f32; 3]) -> Self {
-        let [x, y, z] = inverse.map(|inverse| usize::from(inverse < 0.0) * 3);
+    fn new(backwards: u8) -> Self {
+        let upper = |axis: u8| usize::from(backwards >> axis & 1) * (3 * LANES);
+        let (x, y, z) = (upper(0), upper(1), upper(2));
         Self {
-            first: [x, 1 + y, 2 + z],
-            last: [3 - x, 4 - y, 5 - z],
+            first: [x, LANES + y, 2 * LANES + z],
+            last: [3 * LANES - x, 4 * LANES - y, 5 * LANES - z],
         }
     }
+}
+
+/// Returns the planes at a place of [`Order`].
+#[inline(always)]
+fn planes<S: Simd>(simd: S, node: &Node, place: usize) -> S::F32 {
+    let planes = node.planes.as_flattened()[place..].first_chunk();
+    simd.load_f32(planes.unwrap_or(&[0.0; LANES]))
 }
 
 /// A probe, each number in all lanes.
 pub(crate) struct OneRay<'a, S: Simd> {
     probe: &'a Probe,
+    /// The first number of each axis below.
+    numbers: [[f32; LANES]; 3],
+    /// The reciprocals of the direction.
     inverse: [S::F32; 3],
-    /// The distances of the origin that is moved forwards or backwards.
+    /// The distances of the center: those of planes through it that the ray meets first, nearer by the
+    /// slack.
     entering: [S::F32; 3],
+    /// The same for the planes that it meets last, farther by the slack.
     leaving: [S::F32; 3],
     order: Order,
 }
@@ -224,15 +239,43 @@ pub(crate) struct OneRay<'a, S: Simd> {
 impl<'a, S: Simd> OneRay<'a, S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, probe: &'a Probe) -> Self {
-        let inverse = splat(simd, &probe.inverse);
-        let [entering, leaving] = [splat(simd, &probe.entering), splat(simd, &probe.leaving)];
+        // Each axis in a lane.
+        let direction = by_axis(simd, &probe.direction);
+        let zero = simd.splat_f32(0.0);
+        let size = direction.with_sign_of(zero).max(simd.splat_f32(SMALLEST));
+        let steep = simd.splat_f32(1.0) / size;
+        let inverse = steep.with_sign_of(direction);
+        let center = by_axis(simd, &probe.center) * inverse;
+        let slack = simd.splat_f32(probe.slack) * steep;
+        let mut numbers = [[0.0; LANES]; 3];
+        inverse.store(&mut numbers[0]);
+        (center - slack).store(&mut numbers[1]);
+        (center + slack).store(&mut numbers[2]);
         Self {
             probe,
-            inverse,
-            entering: products::<S>(entering, inverse),
-            leaving: products::<S>(leaving, inverse),
-            order: Order::new(&probe.inverse),
+            inverse: splat(simd, &numbers[0]),
+            entering: splat(simd, &numbers[1]),
+            leaving: splat(simd, &numbers[2]),
+            numbers,
+            order: Order::new(inverse.le(zero)),
         }
+    }
+
+    /// Returns true if the ray meets a box in the frame, given by its lower and upper corners, before
+    /// `t`, or comes close to it.
+    #[inline(always)]
+    pub(crate) fn meets(&self, [low, high]: &[[f32; 3]; 2], t: f64) -> bool {
+        let (mut enter, mut leave) = (0.0_f32, self.distance(t));
+        let [inverse, entering, leaving] = &self.numbers;
+        for axis in 0..3 {
+            let [first, last] = match inverse[axis] < 0.0 {
+                true => [high[axis], low[axis]],
+                false => [low[axis], high[axis]],
+            };
+            enter = enter.max(first * inverse[axis] + entering[axis]);
+            leave = leave.min(last * inverse[axis] + leaving[axis]);
+        }
+        enter <= leave
     }
 
     /// Returns the distances of planes along the axes.
@@ -244,11 +287,11 @@ impl<'a, S: Simd> OneRay<'a, S> {
         [x, y, z]: [usize; 3],
         from: &[S::F32; 3],
     ) -> [S::F32; 3] {
-        let (planes, inverse) = (&node.planes, &self.inverse);
+        let inverse = &self.inverse;
         [
-            simd.load_f32(&planes[x]).times_less(inverse[0], from[0]),
-            simd.load_f32(&planes[y]).times_less(inverse[1], from[1]),
-            simd.load_f32(&planes[z]).times_less(inverse[2], from[2]),
+            planes(simd, node, x).times_plus(inverse[0], from[0]),
+            planes(simd, node, y).times_plus(inverse[1], from[1]),
+            planes(simd, node, z).times_plus(inverse[2], from[2]),
         ]
     }
 }
@@ -289,7 +332,7 @@ impl<'a, S: Simd> Together<'a, S> {
             inverse: [splat(simd, one), splat(simd, other)],
             entering: splat(simd, &beam.entering),
             leaving: splat(simd, &beam.leaving),
-            order: Order::new(one),
+            order: Order::new(by_axis(simd, one).le(simd.splat_f32(0.0))),
         }
     }
 }
@@ -308,8 +351,8 @@ impl<S: Simd> Rays<S> for Together<'_, S> {
         let mut leave = simd.splat_f32(farthest);
         let [one, other] = &self.inverse;
         for axis in 0..3 {
-            let first = simd.load_f32(&node.planes[self.order.first[axis]]) - self.entering[axis];
-            let last = simd.load_f32(&node.planes[self.order.last[axis]]) - self.leaving[axis];
+            let first = planes(simd, node, self.order.first[axis]) - self.entering[axis];
+            let last = planes(simd, node, self.order.last[axis]) - self.leaving[axis];
             enter = (first * one[axis]).min(first * other[axis]).max(enter);
             leave = (last * one[axis]).max(last * other[axis]).min(leave);
         }
@@ -319,8 +362,9 @@ impl<S: Simd> Rays<S> for Together<'_, S> {
     }
 }
 
+/// Returns the first three of some numbers, each in all lanes.
 #[inline(always)]
-fn splat<S: Simd>(simd: S, numbers: &[f32; 3]) -> [S::F32; 3] {
+fn splat<S: Simd, const COUNT: usize>(simd: S, numbers: &[f32; COUNT]) -> [S::F32; 3] {
     [
         simd.splat_f32(numbers[0]),
         simd.splat_f32(numbers[1]),
@@ -328,7 +372,50 @@ fn splat<S: Simd>(simd: S, numbers: &[f32; 3]) -> [S::F32; 3] {
     ]
 }
 
+/// Returns a vector with one number of each axis.
 #[inline(always)]
-fn products<S: Simd>(one: [S::F32; 3], other: [S::F32; 3]) -> [S::F32; 3] {
-    [one[0] * other[0], one[1] * other[1], one[2] * other[2]]
+fn by_axis<S: Simd>(simd: S, [x, y, z]: &[f32; 3]) -> S::F32 {
+    simd.load_f32(&[*x, *y, *z, 1.0, 1.0, 1.0, 1.0, 1.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::{
+        accel::bvh::frame::{Frame, Hull},
+        simd::{Isa, Kernel},
+        tracer::ray::Ray,
+    };
+
+    /// The numbers of a ray.
+    struct Numbers(Probe);
+
+    impl Kernel for Numbers {
+        type Output = [[f32; LANES]; 3];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> [[f32; LANES]; 3] {
+            OneRay::new(simd, &self.0).numbers
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_a_ray_are_finite_and_grow_boxes() {
+        let hull = Hull::of_box([-DVec3::ONE, DVec3::ONE]);
+        let frame = Frame::around([hull].into_iter()).unwrap();
+        for direction in [DVec3::Y, DVec3::NEG_X, DVec3::new(0.0, -0.0, 1e49)] {
+            for origin in [DVec3::ZERO, DVec3::X, DVec3::splat(-3e4)] {
+                let probe = frame.probe(&Ray::new(origin, direction)).unwrap();
+                for isa in Isa::all() {
+                    let [inverse, entering, leaving] = isa.run(Numbers(probe));
+                    for axis in 0..3 {
+                        assert!(inverse[axis].is_finite());
+                        assert!(entering[axis] < leaving[axis] && leaving[axis].is_finite());
+                    }
+                }
+            }
+        }
+    }
 }

@@ -293,9 +293,11 @@ impl<F: Find> Walk<'_, F> {
     /// Takes the crossings with the triangles in some lanes of a patch that are wanted; returns true if
     /// the ray ends at one.
     #[inline(always)]
-    fn take(&mut self, patch: &Patch, lanes: u8, t: &[f64; LANES]) -> bool {
+    fn take(&mut self, patch: &Patch, mut lanes: u8, t: &[f64; LANES]) -> bool {
         let mut is_nearer = false;
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
             let (t, face) = (t[lane], patch.faces[lane].into());
             let crossing = Crossing { t, face };
             if self.find.wants(crossing) && self.passage.counts(patch.corners_of(lane), t) {

@@ -221,7 +221,7 @@ impl Around {
 /// Returns true if the box and the ball around the corners of a triangle hold the point of a ray at
 /// `t`, as [`Around::points`] and [`Around::holds`] find it, mostly without roots: the slack and the
 /// radius are at least what they are without theirs.
-#[inline]
+#[inline(always)]
 pub(crate) fn triangle_holds(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
     let near = Near::triangle(corners);
     let from = ray.origin() - near.center;
@@ -230,7 +230,14 @@ pub(crate) fn triangle_holds(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
     let is_inside = (point + slack).cmpge(near.low).all()
         && (point - slack).cmple(near.high).all()
         && point.length_squared() <= near.squared;
-    is_inside || Around::points(&corners).holds(ray, t)
+    is_inside || triangle_holds_by_roots(corners, ray, t)
+}
+
+// Few points are so near to the edge.
+#[cold]
+#[inline(never)]
+fn triangle_holds_by_roots(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
+    Around::points(&corners).holds(ray, t)
 }
 
 /// A box and a ball a little smaller than those of an [`Around`], relative to its center: a point that

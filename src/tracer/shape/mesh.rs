@@ -375,9 +375,9 @@ impl Mesh {
 }
 
 /// Returns the plane of a triangle with these corners.
-#[inline]
+#[inline(always)]
 pub(crate) fn plane_of([a, b, c]: [DVec3; 3]) -> Option<Plane> {
-    Plane::new(a, (b - a).cross(c - a)).ok()
+    Plane::at(a, (b - a).cross(c - a))
 }
 
 /// Renumbers the corners of triangles for the vertices that are used.
@@ -423,7 +423,7 @@ impl Passage<'_> {
 
     /// Returns true if the crossing of a triangle's equation counts: the ray does not leave its plane,
     /// and the point lies around it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn counts(&self, corners: [DVec3; 3], t: f64) -> bool {
         let is_own = |plane| self.leaving.is_in(&plane);
         plane_of(corners).is_some_and(|plane| !is_own(plane))
@@ -445,6 +445,8 @@ impl Passage<'_> {
     }
 
     /// Returns the first crossing by testing all triangles: the definition.
+    // Not inlined: the fast way is short.
+    #[inline(never)]
     pub(crate) fn first_of_all(&self, t_max: f64) -> Option<Crossing> {
         let sheared = self.sheared();
         let mut first: Option<Crossing> = None;

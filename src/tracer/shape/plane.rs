@@ -11,7 +11,7 @@ use crate::tracer::{
         span::Span,
         working::{Term, Working},
     },
-    vector::{direction, finite, unit},
+    vector::{direction, finite, is_direction, unit},
 };
 
 /// A plane: all points `p` with `(p - a)·n = 0`, for a point `a` and a normal `n`.
@@ -35,6 +35,13 @@ impl Plane {
             point: finite(point, "point")?,
             normal: direction(finite(normal, "normal")?, "normal")?,
         })
+    }
+
+    /// The same for a point that is known to be finite.
+    // A component of the normal that is not finite makes its length so.
+    #[inline(always)]
+    pub(crate) fn at(point: DVec3, normal: DVec3) -> Option<Self> {
+        is_direction(normal).then_some(Self { point, normal })
     }
 
     /// A point of the plane.
