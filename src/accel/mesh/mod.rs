@@ -10,6 +10,8 @@ mod sheared;
 #[cfg(test)]
 mod tests;
 
+use std::cell::Cell;
+
 use glam::DVec3;
 
 use crate::{
@@ -44,6 +46,12 @@ const TOGETHER: usize = 1 << 14;
 
 /// Below this many triangles the loop is as fast.
 const FEW: usize = 8;
+
+thread_local! {
+    /// The place of the triangle that a ray has met last, in any mesh: its corners will be asked for, and
+    /// the list of all places is far away in memory.
+    static LAST: Cell<usize> = const { Cell::new(0) };
+}
 
 /// Gives a mesh an index, if it has none. One that is small, or whose numbers are extreme, needs the
 /// loop.
@@ -130,9 +138,12 @@ impl Index for Triangles {
 
     #[inline]
     fn corners(&self, face: u64) -> Option<[DVec3; 3]> {
-        let place = *self.places.get(face as usize)? as usize;
-        let patch = self.patches.get(place / LANES)?;
-        Some(patch.corners_of(place % LANES))
+        let at = |place: usize| {
+            let (patch, lane) = (self.patches.get(place / LANES)?, place % LANES);
+            let is_there = lane < patch.triangles.into() && u64::from(patch.faces[lane]) == face;
+            is_there.then(|| patch.corners_of(lane))
+        };
+        at(LAST.get()).or_else(|| at(*self.places.get(face as usize)? as usize))
     }
 
     fn first_of_each(
@@ -259,25 +270,17 @@ impl<S: Simd, F: Find> Seek<S> for Walk<'_, F> {
     fn visit(&mut self, simd: S, leaf: usize) -> bool {
         let mut is_nearer = false;
         // Not before: half of the rays come to no leaf, and the others have to wait for it.
-        let (patches, places) = (self.patches, &*self.triangles.places);
         let sheared = Sheared::one(simd, &self.passage.sheared());
-        for patch in patches_of(patches, leaf) {
-            // The corners of one of them may be asked for.
-            for face in [patch.faces[0], patch.faces[LANES - 1]] {
-                simd.prefetch(&places[face as usize]);
-            }
+        for (number, patch) in (leaf..).zip(patches_of(self.patches, leaf)) {
             let corners = sheared.corners(simd, patch);
             let Some((t, crosses)) = crossings(simd, corners) else {
                 continue;
             };
             let lanes = (crosses & t.le(simd.splat(self.find.end()))).bits();
             if lanes != 0 {
-                // Its corners will be asked for.
-                let face = patch.faces[lanes.trailing_zeros() as usize];
-                simd.prefetch(&places[face as usize]);
                 let mut at = [0.0; LANES];
                 t.store(&mut at);
-                is_nearer |= self.take(patch, lanes, &at);
+                is_nearer |= self.take((number, patch), lanes, &at);
             }
         }
         is_nearer
@@ -293,7 +296,7 @@ impl<F: Find> Walk<'_, F> {
     /// Takes the crossings with the triangles in some lanes of a patch that are wanted; returns true if
     /// the ray ends at one.
     #[inline(always)]
-    fn take(&mut self, patch: &Patch, mut lanes: u8, t: &[f64; LANES]) -> bool {
+    fn take(&mut self, (number, patch): (usize, &Patch), mut lanes: u8, t: &[f64; LANES]) -> bool {
         let mut is_nearer = false;
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -302,6 +305,7 @@ impl<F: Find> Walk<'_, F> {
             let crossing = Crossing { t, face };
             if self.find.wants(crossing) && self.passage.counts(patch.corners_of(lane), t) {
                 is_nearer |= self.find.take(crossing);
+                LAST.set(number * LANES + lane);
             }
         }
         is_nearer
