@@ -13,7 +13,11 @@ use crate::{
         build::{self, BuiltList},
         check::Checked,
         files::{self, Folder, Refused},
-        format::{geometry::PartModel, material::Materials, scene::Model},
+        format::{
+            geometry::{GeometryModel, PartModel},
+            material::Materials,
+            scene::Model,
+        },
         loaded::Loaded,
         options::ReadOptions,
         part::{File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
@@ -69,8 +73,12 @@ pub(super) fn read(
     }
     if let Err((at, error)) = tables.place(model) {
         let message = format!("cannot be placed: {error}");
-        let place = model.path_of(at).field("transform");
-        problems.push(Problem::new(Code::OutOfRange, place, Focus::Value, message));
+        let own = model.geometry(at).and_then(GeometryModel::transform);
+        let (place, focus) = match own {
+            Some(_) => (model.path_of(at).field("transform"), Focus::Value),
+            None => (model.path_of(at), Focus::Name),
+        };
+        problems.push(Problem::new(Code::OutOfRange, place, focus, message));
     }
     (reader.needs, problems)
 }

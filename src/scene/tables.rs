@@ -129,7 +129,9 @@ pub(crate) fn read(
         let content = match geometry {
             GeometryModel::Instances(_) if !table.bad().is_empty() => continue,
             GeometryModel::Instances(instances) => {
-                let rows = match table.transforms() {
+                let around = model.leaf(at).map(|leaf| leaf.placement);
+                let around = around.as_ref().and_then(|all| all.transform().ok()?);
+                let rows = match table.transforms(around.map(|all| &**all)) {
                     Ok(rows) => rows,
                     Err((at, error)) => {
                         problems.push(place.not_placed(at, &table, &error));

@@ -46,7 +46,7 @@ use crate::{
             rows::Empty,
         },
     },
-    tracer::{error::GeometryError, shape::instances::Rows as TransformRows},
+    tracer::{error::GeometryError, shape::instances::Rows as TransformRows, transform::Transform},
 };
 
 /// What a scene wants from a table.
@@ -290,13 +290,18 @@ impl Table {
     ///
     /// # Errors
     ///
-    /// The index of the first row whose transform cannot be inverted in f64.
-    pub(crate) fn transforms(&self) -> Result<Arc<Vec<TransformRows>>, (usize, GeometryError)> {
+    /// The index of the first row whose transform cannot be inverted in f64, alone or within the one
+    /// around it.
+    pub(crate) fn transforms(
+        &self,
+        around: Option<&Transform>,
+    ) -> Result<Arc<Vec<TransformRows>>, (usize, GeometryError)> {
         let mut all = Vec::with_capacity(self.rows());
         let mut refused = None;
         self.any_block(|block| {
             for transform in block.transforms() {
-                match transform {
+                let placed = |inner: &Transform| around.map_or(Ok(*inner), |all| all.times(inner));
+                match transform.and_then(|inner| placed(&inner).map(|_| inner)) {
                     Ok(transform) => all.push(transform.rows()),
                     Err(error) => refused = refused.take().or(Some((all.len(), error))),
                 }
