@@ -118,7 +118,13 @@ pub(crate) fn problems(
         found.surface(geometry, model, &materials, at, stand_ins);
         match geometry {
             GeometryModel::Instances(instances) => copies.push((at, &**instances)),
-            _ if geometry.operation().is_some() => found.solid(geometry, at, model),
+            _ if geometry.operation().is_some() => {
+                found.solid(geometry, at, model);
+                let moves = |frames: &Frames| frames.move_leaf(model, at);
+                if !stand_ins.has_part_of(at, geometry) && !frames.as_ref().is_some_and(moves) {
+                    found.emptied(geometry, at, model);
+                }
+            }
             _ => {}
         }
         named.extend(geometry.name().map(|name| (at, name)));

@@ -13,6 +13,7 @@ use crate::{
         },
         problem::{Focus, Problem},
     },
+    tracer::shape::{Shape, solid::Operation},
 };
 
 /// What a solid may be put together from.
@@ -41,6 +42,29 @@ impl Found {
                 self.operand(geometry, at, model);
             }
         }
+    }
+
+    /// Reports a solid of which its operation leaves nothing.
+    pub(super) fn emptied(&mut self, solid: &GeometryModel, at: Ordinal, model: &Model) {
+        let Some(Ok(Shape::Solid(shape))) = solid.any_shape() else {
+            return;
+        };
+        if !shape.leaves_nothing() {
+            return;
+        }
+        let (why, help) = match solid.operation() {
+            Some(Operation::Difference) => (
+                "`minus` cuts all of it away",
+                "move or shrink what is cut away, or remove the solid",
+            ),
+            _ => (
+                "its operands do not meet",
+                "move them until they do, or remove the solid",
+            ),
+        };
+        let message = format!("this has no effect: the solid is empty, for {why}");
+        let path = model.path_of(at);
+        self.push(Problem::new(Code::NoEffect, path, Focus::Name, message).help(help));
     }
 
     fn operand(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {

@@ -204,7 +204,7 @@ impl GeometryModel {
     /// Returns the shape; `None` for a table, a part, a group, instances, and a mesh whose file is not
     /// read.
     #[inline]
-    fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
+    pub(crate) fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
         of_each!(self, geometry => geometry.shape())
     }
 

@@ -14,7 +14,7 @@ mod tests;
 
 use std::{iter, ptr};
 
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
 use crate::tracer::{
     error::GeometryError,
@@ -121,10 +121,7 @@ impl Solid {
         if nodes.is_empty() {
             return Err(GeometryError::NoOperand);
         }
-        for index in 0..parts.len() {
-            let is_twin = |other: &Part| other.shape == parts[index].shape;
-            parts[index].twin = parts.iter().position(is_twin).unwrap_or(index);
-        }
+        part::find_twins(&mut parts);
         let (around, smallest) = match operation {
             Operation::Union => (Around::union(&arounds), None),
             Operation::Intersection => Around::intersection(&arounds),
@@ -147,6 +144,12 @@ impl Solid {
     /// The simple solids in it, from the first to the last.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = &Shape> {
         self.parts.iter().map(|part| &part.shape)
+    }
+
+    /// Returns true if nothing is left of the operands, as far as their boxes show: those of an
+    /// intersection are apart, or what is cut away holds that of the first.
+    pub(crate) fn leaves_nothing(&self) -> bool {
+        self.root.leaves_nothing(&self.parts)
     }
 
     /// Returns the lower and upper corners of a box around the solid, or `None` if it is unbounded
@@ -296,6 +299,52 @@ impl Node {
         }
     }
 
+    /// Returns the corners of a box around it, if it is bounded.
+    fn bounds(&self, parts: &[Part]) -> Option<[DVec3; 2]> {
+        match self {
+            Self::Part(index) => parts[*index].around.as_ref()?.bounds(),
+            Self::Of(of) => of.bounds,
+        }
+    }
+
+    /// Returns true if a box surely lies inside.
+    fn holds(&self, parts: &[Part], bounds: [DVec3; 2]) -> bool {
+        match self {
+            // It is convex.
+            Self::Part(index) => corners(bounds).all(|corner| parts[*index].depth(corner) >= 0.0),
+            Self::Of(of) => {
+                let mut operands = of.operands.iter();
+                match of.operation {
+                    Operation::Union => operands.any(|node| node.holds(parts, bounds)),
+                    Operation::Intersection => operands.all(|node| node.holds(parts, bounds)),
+                    Operation::Difference => false,
+                }
+            }
+        }
+    }
+
+    /// Returns [`Solid::leaves_nothing`].
+    fn leaves_nothing(&self, parts: &[Part]) -> bool {
+        let Self::Of(of) = self else {
+            return false;
+        };
+        let mut operands = of.operands.iter();
+        match of.operation {
+            Operation::Union => false,
+            Operation::Intersection => {
+                let none = [DVec3::NEG_INFINITY, DVec3::INFINITY];
+                let [low, high] = operands
+                    .filter_map(|node| node.bounds(parts))
+                    .fold(none, |[low, high], [a, b]| [low.max(a), high.min(b)]);
+                low.cmpgt(high).any()
+            }
+            Operation::Difference => {
+                let first = operands.next().and_then(|node| node.bounds(parts));
+                first.is_some_and(|bounds| operands.any(|node| node.holds(parts, bounds)))
+            }
+        }
+    }
+
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside. What
     /// is cut away is outside at its depth inside, so that its surface is no part of either.
     fn depth(&self, parts: &[Part], point: DVec3) -> f64 {
@@ -440,6 +489,14 @@ impl Crossings<'_> {
             around.is_none_or(|around| around.holds(ray, at.t))
         })
     }
+}
+
+/// Returns the corners of a box, given by its lower and upper ones.
+fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
+    (0..8).map(move |corner| {
+        let is_high = |axis: u32| corner >> axis & 1 == 1;
+        DVec3::select(BVec3::new(is_high(0), is_high(1), is_high(2)), high, low)
+    })
 }
 
 /// The span of a ray that misses a part.

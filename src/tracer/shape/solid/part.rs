@@ -1,5 +1,7 @@
 //! The parts of a solid: simple solids, which are convex.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 
 use crate::tracer::{
@@ -105,5 +107,22 @@ impl Part {
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside.
     pub(super) fn depth(&self, point: DVec3) -> f64 {
         of_simple!(&self.shape, solid => solid.depth(point), else f64::NEG_INFINITY)
+    }
+}
+
+/// Finds the first part that is equal to each.
+pub(super) fn find_twins(parts: &mut [Part]) {
+    let mut firsts: HashMap<Vec<u64>, Vec<usize>> = HashMap::new();
+    for index in 0..parts.len() {
+        let shape = &parts[index].shape;
+        let mut key = Vec::new();
+        // The two zeros are equal.
+        shape.each_number(|number| key.push((number + 0.0).to_bits()));
+        let firsts = firsts.entry(key).or_default();
+        let twin = firsts.iter().find(|first| parts[**first].shape == *shape);
+        parts[index].twin = twin.copied().unwrap_or_else(|| {
+            firsts.push(index);
+            index
+        });
     }
 }

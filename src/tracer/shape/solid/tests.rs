@@ -239,3 +239,42 @@ fn the_support_is_beyond_every_hit() {
         }
     }
 }
+
+#[test]
+fn of_what_leaves_nothing_nothing_is_hit() {
+    let mut rng = Rng(22);
+    let (mut empty, mut hits) = (0, 0);
+    for _ in 0..cases(CASES / 4) {
+        let mut operand = |size: f64| solid(&mut rng, DVec3::ZERO, size);
+        let (Ok(one), Ok(other)) = (operand(1.0), operand(2.0)) else {
+            continue;
+        };
+        let operation = rng.one(&[Operation::Intersection, Operation::Difference]);
+        let shift = rng.vector();
+        let Ok(cube) = Cuboid::new(shift - 0.5, shift + 0.5) else {
+            continue;
+        };
+        let cube = Shape::from(cube);
+        let second = match rng.below(2) {
+            0 => Shape::from(other),
+            _ => cube,
+        };
+        let whole = Solid::new(operation, [Shape::from(one), second]).unwrap();
+        if !whole.leaves_nothing() {
+            continue;
+        }
+        empty += 1;
+        for _ in 0..20 {
+            let ray = Ray::new(rng.vector() * 4.0, rng.vector());
+            // Where faces touch, rounding may find a speck.
+            let all: Vec<_> = whole
+                .crossings(&ray, Leaving::NOTHING)
+                .in_front(f64::INFINITY)
+                .map(|at| at.t)
+                .collect();
+            hits += all.windows(2).filter(|at| at[1] - at[0] > 1e-6).count();
+        }
+    }
+    assert!(empty > cases(CASES / 4) / 50, "{empty}");
+    assert_eq!(hits, 0);
+}
