@@ -49,7 +49,7 @@ impl Found {
         geometry: &GeometryModel,
         model: &Model,
         names: &HashSet<&str>,
-        at: Ordinal,
+        (at, is_part): (Ordinal, bool),
         stand_ins: &StandIns,
     ) {
         let surface = geometry.surface();
@@ -64,7 +64,7 @@ impl Found {
                 material: Some(material),
             } => {
                 if color.is_some() {
-                    self.one_of_color_and_material(geometry, at, model, stand_ins);
+                    self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins);
                 }
                 let path = || model.path_of(at).field("material");
                 let name = material.named().filter(|name| !names.contains(name));
@@ -73,14 +73,16 @@ impl Found {
                 }
                 self.material(material, path);
             }
-            Surface { .. } => self.one_of_color_and_material(geometry, at, model, stand_ins),
+            Surface { .. } => {
+                self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins)
+            }
         }
     }
 
     fn one_of_color_and_material(
         &mut self,
         geometry: &GeometryModel,
-        at: Ordinal,
+        (at, is_part): (Ordinal, bool),
         model: &Model,
         stand_ins: &StandIns,
     ) {
@@ -90,9 +92,8 @@ impl Found {
         // The parts of a solid may have that of the whole, and the whole needs none if they all have
         // their own.
         let is_covered = geometry.operation().is_some() && is_covered(geometry, at, stand_ins);
-        let is_part = || model.is_operand(at);
         let needs_none = geometry.may_have_colors() || !geometry.has_surface() || is_covered;
-        if (!is_given && (needs_none || is_part())) || self.tally.only_counts(Code::OneOf) {
+        if (!is_given && (needs_none || is_part)) || self.tally.only_counts(Code::OneOf) {
             return;
         }
         let path = model.path_of(at);

@@ -106,6 +106,8 @@ pub(crate) fn problems(
     let mut duplicates = Duplicates::of(model);
     let materials: HashSet<_> = model.names_of_materials().collect();
     let mut leaves = world.leaves().peekable();
+    // The end of the solid that is put together last.
+    let mut parts_until = Ordinal::default();
     for (at, geometry) in model.walk() {
         let leaf = leaves.next_if(|leaf| leaf.at == at);
         if let Some(Leaf { placement, .. }) = &leaf {
@@ -115,10 +117,15 @@ pub(crate) fn problems(
             continue;
         }
         found.geometry(geometry, at, model);
-        found.surface(geometry, model, &materials, at, stand_ins);
+        let is_part = at < parts_until;
+        found.surface(geometry, model, &materials, (at, is_part), stand_ins);
         match geometry {
             GeometryModel::Instances(instances) => copies.push((at, &**instances)),
             _ if geometry.operation().is_some() => {
+                if !is_part {
+                    let inner = at.inner + geometry.total();
+                    parts_until = Ordinal { inner, ..at };
+                }
                 found.solid(geometry, at, model);
                 let moves = |frames: &Frames| frames.move_leaf(model, at);
                 if !stand_ins.has_part_of(at, geometry) && !frames.as_ref().is_some_and(moves) {
