@@ -60,14 +60,20 @@ fn an_error_of_a_setting_names_the_setting() {
 
 #[test]
 fn long_lists_of_faults_are_truncated() {
-    let sphere = "Sphere(center: (0, 0, -3), radius: -1, color: \"#fff\"),\n";
-    let text = format!(
-        "(camera: Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2), geometries: [\n{}])",
-        sphere.repeat(1000)
-    );
-    let messages = format!("{:?}", Scene::from_text(text, Syntax::Ron).unwrap_err());
-    assert_eq!(messages.lines().count(), 101, "{messages}");
-    assert!(messages.ends_with("\n… and 1899 more"), "{messages}");
+    // Of equal spheres, all but the first are reported too, unless their radius is not known.
+    for (radius, more) in [("-1", 1899), ("'x'", 900)] {
+        let sphere = format!("Sphere(center: (0, 0, -3), radius: {radius}, color: \"#fff\"),\n");
+        let text = format!(
+            "(camera: Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2), geometries: [\n{}])",
+            sphere.repeat(1000)
+        );
+        let messages = format!("{:?}", Scene::from_text(text, Syntax::Ron).unwrap_err());
+        assert_eq!(messages.lines().count(), 101, "{messages}");
+        assert!(
+            messages.ends_with(&format!("\n… and {more} more")),
+            "{messages}"
+        );
+    }
 }
 
 #[test]

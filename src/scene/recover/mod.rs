@@ -101,6 +101,9 @@ pub(crate) fn recover<'de, T: Deserialize<'de>>(
     }
 }
 
+/// The stand-in for a number: a NaN that no text means, so that no check reports or counts it.
+pub(crate) const NO_NUMBER: f64 = f64::from_bits(f64::NAN.to_bits() | 1);
+
 struct Notes {
     diagnostics: Vec<Diagnostic>,
     tally: Tally,

@@ -10,7 +10,7 @@ use crate::{
         path::{Step, Trail},
     },
     scene::recover::{
-        Text,
+        NO_NUMBER, Text,
         access::{Elements, fields, given_fields, stand_ins},
         entries::entries,
         fix::{Wants, respelt},
@@ -176,8 +176,7 @@ impl<'a> Reader<'a, '_> {
     fn float(&self) -> f64 {
         const EXPECTED: &str = "a number";
         let Some((id, source)) = self.number(EXPECTED) else {
-            // No check reports this.
-            return f64::NAN;
+            return NO_NUMBER;
         };
         match float(source, self.syntax()) {
             Ok(number) => number,
@@ -185,7 +184,7 @@ impl<'a> Reader<'a, '_> {
             Err(NumberError::OtherType | NumberError::Malformed) => {
                 let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
                 self.document.replace(id, diagnostic);
-                f64::NAN
+                NO_NUMBER
             }
         }
     }

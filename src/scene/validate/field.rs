@@ -11,6 +11,7 @@ use crate::{
             field::{Field, Interval, Kind, Range, Triple, Value},
         },
         problem::{Cure, Focus, Problem},
+        recover::NO_NUMBER,
     },
     tracer::vector::is_direction,
 };
@@ -112,7 +113,8 @@ impl Found {
     }
 
     pub(super) fn number(&mut self, number: f64, path: impl Fn() -> Path) -> bool {
-        if !number.is_finite() && !self.tally.only_counts(Code::NotFinite) {
+        let is_read = number.to_bits() != NO_NUMBER.to_bits();
+        if !number.is_finite() && is_read && !self.tally.only_counts(Code::NotFinite) {
             let problem = Problem::of_value(Code::NotFinite, path(), "expected a finite number");
             let largest = "numbers are finite 64-bit floats, up to about 1.8e308";
             self.push(problem.help(largest));
