@@ -572,15 +572,15 @@ def refusal(scene):
         return "zero-vector"
     if length(cross(t, w)) <= 1e-9 * length(t):
         return "parallel-vectors"
-    for geometry in scene["geometries"]:
-        name, fields = variant(geometry)
+    import shapes
+    import solids
+
+    for name, fields in map(variant, solids.parts_of(scene["geometries"])):
         if name in ("Sphere", "Disc") and not fields["radius"] > 0.0:
             return "out-of-range"
         if name in ("Plane", "Disc") and bad(vector(fields["normal"])):
             return "zero-vector"
         if name not in SHAPES:
-            import shapes
-
             reason = shapes.refusal(name, fields)
             if reason:
                 return reason

@@ -22,6 +22,7 @@ import numpy as np
 import evaluate
 import meshes
 import shapes
+import solids
 from evaluate import optional, variant
 
 # A ray that brings less than this is black.
@@ -297,9 +298,92 @@ class Placed:
         return is_placed and self.inner.same(other.inner)
 
 
+class Whole:
+    """A solid that is put together from others: its parts, and the ends of the lines inside."""
+
+    def __init__(self, name, fields):
+        # The shape of each part, whether it is cut away, and the fields of its color.
+        self.parts = []
+        self.numbers = self.numbered(name, fields, False, {})
+        self.intervals = solids.intervals_of(*self.numbers)
+        self.last = None
+
+    def numbered(self, name, fields, is_cut, around):
+        """Returns a solid whose parts have numbers from 1 in place of colors."""
+        own = {key: fields[key] for key in ("color", "material") if fields.get(key) is not None} or around
+        bare = {key: fields[key] for key in fields if key not in ("color", "material", "placed")}
+        if name not in solids.COMBINED:
+            self.parts.append((shape_of(name, bare), is_cut, own))
+            return name, bare | {"color": len(self.parts)}
+
+        def operand(value, is_cut):
+            return dict([self.numbered(*variant(value), is_cut, own)])
+
+        if name != "Difference":
+            return name, bare | {"of": [operand(each, is_cut) for each in fields["of"]]}
+        of = operand(fields["of"], is_cut)
+        return name, bare | {"of": of, "minus": [operand(each, not is_cut) for each in fields["minus"]]}
+
+    def ends(self, o, d):
+        """Returns the two t at which each ray may cross each part where the whole ends."""
+        if self.last is None or self.last[0] is not o or self.last[1] is not d:
+            found = np.full((len(self.parts), 2, len(o)), np.nan)
+            for row in range(len(o)):
+                spans = self.intervals(tuple(map(float, o[row])), tuple(map(float, d[row])), None)
+                for t, number in (end for span in spans for end in span):
+                    of_part = found[number - 1, :, row]
+                    of_part[np.isnan(of_part).argmax()] = t
+            self.last = o, d, found
+        return self.last[2]
+
+
+class Piece:
+    """A part of a solid that is put together, where the whole ends."""
+
+    is_pane = False
+
+    def __init__(self, whole, number):
+        self.whole, self.number = whole, number
+        self.part, self.is_cut, _ = whole.parts[number]
+
+    def roots(self, o, d, own):
+        return [at_start(positive(t), own) for t in self.whole.ends(o, d)[self.number]]
+
+    def normal(self, p, d):
+        normal = self.part.normal(p, d)
+        return -normal if self.is_cut else normal
+
+    def planes(self):
+        return self.part.planes()
+
+    def same(self, other):
+        return self.touches(other) and self.number == other.number
+
+    def touches(self, other):
+        """Returns true if both belong to the same solid, or to equal ones."""
+        return isinstance(other, Piece) and self.whole.numbers == other.whole.numbers
+
+
+def at_start(t, own):
+    """Returns t without what a ray meets where it starts."""
+    return np.where(own & (t < 1e-9), math.inf, t)
+
+
+def pieces(name, fields):
+    """Returns the parts of a solid that is put together from others, each with the fields of its color."""
+    whole = Whole(name, fields)
+    for number, (_, _, surface) in enumerate(whole.parts):
+        piece = Piece(whole, number)
+        yield (Placed(fields["placed"], piece) if "placed" in fields else piece), surface
+
+
 def touch(one, other):
-    """Returns true if a solid has a face in the plane of another shape's."""
-    if not (isinstance(one, Solid) or isinstance(other, Solid)):
+    """Returns true if a solid has a face in the plane of another shape's, or belongs to the same."""
+    while isinstance(one, Placed) and isinstance(other, Placed) and one.matrix == other.matrix:
+        one, other = one.inner, other.inner
+    if isinstance(one, Piece) and one.touches(other):
+        return True
+    if not any(isinstance(shape, (Solid, Piece)) for shape in (one, other)):
         return False
     return any(
         np.allclose(np.cross(n, m), 0.0) and abs(dots(p - q, m)) < 1e-12
@@ -374,10 +458,15 @@ class World:
         self.shapes, self.materials, owners = [], [], []
         for number, geometry in enumerate(scene["geometries"]):
             name, fields = variant(geometry)
-            parts = facets(fields) if name == "Mesh" else [shape_of(name, fields)]
-            self.shapes += parts
+            if name in solids.COMBINED:
+                parts = list(pieces(name, fields))
+            elif name == "Mesh":
+                parts = [(facet, fields) for facet in facets(fields)]
+            else:
+                parts = [(shape_of(name, fields), fields)]
+            self.shapes += [shape for shape, _ in parts]
+            self.materials += [material_of(surface, named) for _, surface in parts]
             owners += [number] * len(parts)
-            self.materials += [material_of(fields, named)] * len(parts)
         # The geometry of each shape; the last one is that of no shape.
         self.owners = np.array([*owners, -1])
         self.same = np.array(
@@ -397,8 +486,7 @@ class World:
 
     def roots(self, index, o, d, own):
         roots = self.shapes[index].roots(o, d, self.same[own, index])
-        at_start = self.touch[own, index]
-        return [np.where(at_start & (t < 1e-9), math.inf, t) for t in roots]
+        return [at_start(t, self.touch[own, index]) for t in roots]
 
     def hit(self, o, d, own):
         """Returns the index and the t of the nearest hits; index -1 where nothing is hit."""

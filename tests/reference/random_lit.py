@@ -17,7 +17,12 @@ import tempfile
 import evaluate
 import light
 import shapes
-from random_scenes import Scenes
+import solids
+from random_scenes import Scenes, target_of
+
+
+def parts_of(solid):
+    return map(evaluate.variant, solids.parts_of([solid]))
 
 
 class LitScenes(Scenes):
@@ -55,8 +60,7 @@ class LitScenes(Scenes):
             if geometries and self.chance(0.2):
                 # In the middle of a geometry, or on it.
                 ((_, other),) = self.random.choice(geometries).items()
-                place = next(iter(other.values()))
-                fields["position"] = list(place[0] if "vertices" in other else place)
+                fields["position"] = list(target_of(other))
                 if "radius" in other and "normal" not in other and self.chance(0.5):
                     fields["position"][1] += other["radius"]
         if kind == "Spot":
@@ -82,12 +86,17 @@ class LitScenes(Scenes):
         geometries = []
         for _ in range(self.random.randint(1, 8)):
             place = [self.random.choice((-2, -1, 0, 1, 2, self.random.uniform(-2, 2))) for _ in range(3)]
-            kind = self.random.choice(["Sphere", "Sphere", "Sphere", "Disc", "Plane", "Other"])
+            kind = self.random.choice(["Sphere", "Sphere", "Sphere", "Disc", "Plane", "Other", "Solid"])
             fields = {"point" if kind == "Plane" else "center": place}
             if kind == "Other":
                 kind, fields = self.shape(0.7)
                 while shapes.refusal(kind, fields):
                     kind, fields = self.shape(0.7)
+                del fields["color"]
+            elif kind == "Solid":
+                kind, fields = self.solid(0.7)
+                while any(shapes.refusal(*part) for part in parts_of({kind: fields})):
+                    kind, fields = self.solid(0.7)
                 del fields["color"]
             elif kind != "Sphere":
                 fields["normal"] = self.random.choice([[0, 1, 0], [0, -2, 0], self.unit_direction()])

@@ -26,6 +26,8 @@ class Scenes:
 
     def __init__(self, seed):
         self.random = random.Random(seed)
+        # Solids with several colors are shown by way of linear light, where half a level is not exact.
+        self.has_solids = self.chance(0.3)
 
     def chance(self, p):
         return self.random.random() < p
@@ -70,7 +72,7 @@ class Scenes:
                 self.random.choice("0123456789abcdefABCDEF")
                 for _ in range(self.random.choice((3, 6)))
             )
-        if self.chance(0.3):
+        if self.chance(0.3) and not self.has_solids:
             return [(self.random.randint(0, 255) + 0.5) / 255.0 for _ in range(3)]
         return [self.random.uniform(-0.1, 1.1) for _ in range(3)]
 
@@ -161,7 +163,7 @@ class Scenes:
                 elif name in ("Plane", "Disc") and self.chance(0.5):
                     fields["normal"] = [-2.0 * x for x in fields["normal"]]
             elif self.chance(0.5):
-                name, fields = self.shape(scale)
+                name, fields = self.solid(scale) if self.has_solids else self.shape(scale)
             elif self.chance(0.65):
                 name = "Sphere"
                 radius = self.random.choice((0.5, 1.0, 2.0, self.random.uniform(0.1, 5.0)))
@@ -220,11 +222,38 @@ class Scenes:
             fields["capped"] = self.chance(0.2)
         return name, fields | color
 
+    def solid(self, scale, depth=0):
+        """Returns a solid that is put together from others."""
+        name = self.random.choice(("Union", "Intersection", "Difference"))
+
+        def operand():
+            if depth < 2 and self.chance(0.2):
+                kind, fields = self.solid(scale, depth + 1)
+            elif self.chance(0.4):
+                kind, fields = "Sphere", {"center": self.point(scale), "radius": self.length(scale)}
+            elif self.chance(0.2):
+                kind, fields = "Plane", {"point": self.point(scale), "normal": self.direction()}
+            else:
+                kind, fields = self.shape(scale)
+                while kind in ("Rectangle", "Triangle", "Mesh"):
+                    kind, fields = self.shape(scale)
+                fields.pop("capped", None)
+            fields.pop("color", None)
+            return {kind: fields | ({"color": self.color()} if self.chance(0.5) else {})}
+
+        operands = [operand() for _ in range(self.random.randint(1, 4))]
+        if self.chance(0.2):
+            operands.append(operands[0])
+        if name == "Difference":
+            fields = {"of": operands[0], "minus": operands[1:] or [operand()]}
+        else:
+            fields = {"of": operands}
+        return name, fields | {"color": self.color()}
+
     def scene(self):
         scale = self.random.choice((1.0, 1.0, 1e9, 1e-9, self.magnitude()))
         geometries = self.geometries(scale)
-        targets = [next(iter(fields.values())) for g in geometries for fields in g.values()]
-        targets = [target[0] if isinstance(target[0], list) else target for target in targets]
+        targets = [target_of(fields) for g in geometries for fields in g.values()]
         camera = self.camera(scale, targets)
         if self.chance(0.6):
             self.aim(camera, geometries)
@@ -239,7 +268,19 @@ class Scenes:
         }
 
 
-LISTS = ("geometries", "axes", "vertices", "triangles")
+def target_of(fields):
+    """Returns a point of a geometry, or close to it."""
+    target = next(iter(fields.values()))
+    while isinstance(target, dict) or not isinstance(target[0], (int, float)):
+        target = next(iter(target.values())) if isinstance(target, dict) else target[0]
+    return target
+
+
+LISTS = ("geometries", "axes", "vertices", "triangles", "minus")
+
+
+def is_list_of_solids(field, value):
+    return field == "of" and isinstance(value, list)
 
 
 def ron(value):
@@ -255,7 +296,7 @@ def ron(value):
         if name[0].isupper() and not others:
             return name + ron(fields)
         items = (
-            f"{k}: [{', '.join(map(ron, v))}]" if k in LISTS else f"{k}: {ron(v)}"
+            f"{k}: [{', '.join(map(ron, v))}]" if k in LISTS or is_list_of_solids(k, v) else f"{k}: {ron(v)}"
             for k, v in value.items()
         )
         return "(" + ", ".join(items) + ")"

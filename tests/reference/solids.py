@@ -8,6 +8,19 @@ from evaluate import divide, dot, root, scaled, subtract, variant, vector
 COMBINED = ("Union", "Intersection", "Difference")
 
 
+def operands_of(name, fields):
+    return fields["of"] if name != "Difference" else [fields["of"], *fields["minus"]]
+
+
+def parts_of(geometries):
+    """Returns geometries with the parts of solids in place of these."""
+    found = []
+    for geometry in geometries:
+        name, fields = variant(geometry)
+        found += parts_of(operands_of(name, fields)) if name in COMBINED else [geometry]
+    return found
+
+
 def plane(fields):
     a, n = vector(fields["point"]), vector(fields["normal"])
 
@@ -88,8 +101,7 @@ def intervals_of(name, fields):
     if name not in COMBINED:
         inside = simple(name, fields)
         return lambda o, d, around: inside(o, d, fields.get("color") or around)
-    of = fields["of"] if name != "Difference" else [fields["of"], *fields["minus"]]
-    operands = [intervals_of(*variant(operand)) for operand in of]
+    operands = [intervals_of(*variant(operand)) for operand in operands_of(name, fields)]
 
     def intervals(o, d, around):
         own = fields.get("color") or around
