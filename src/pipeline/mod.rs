@@ -373,7 +373,7 @@ impl Scene {
             size,
             samples: self.samples,
             outlines: self.outlines,
-            tone: self.tone,
+            tone: self.world.tone(self.tone),
         };
         (is_inside && (is_lit || self.outlines.is_some())).then(|| view.explain(x, row))
     }

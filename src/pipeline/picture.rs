@@ -56,7 +56,7 @@ impl Scene {
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
         let aovs = Aovs {
-            wanted: Wanted::Bytes(self.tone),
+            wanted: Wanted::Bytes(self.world.tone(self.tone)),
             ..Aovs::default()
         };
         let camera = self.camera_of(options)?;
@@ -240,7 +240,7 @@ impl Scene {
             camera: &camera,
             world: &self.world,
             size: options.size.unwrap_or(self.size),
-            tone: self.tone,
+            tone: self.world.tone(self.tone),
             background: (!options.settings.is_transparent).then(|| self.world.background()),
             layout: &layout,
             mattes: &mattes,
@@ -251,7 +251,7 @@ impl Scene {
             ranks: layout.has_mattes(),
             wanted: match () {
                 () if layout.has_parts() => Wanted::Parts,
-                () if is_plain => Wanted::Bytes(self.tone),
+                () if is_plain => Wanted::Bytes(self.world.tone(self.tone)),
                 () if layout.is_color => Wanted::Light,
                 () => Wanted::Hits,
             },

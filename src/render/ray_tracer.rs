@@ -77,7 +77,7 @@ impl<'a> RayTracer<'a> {
             world,
             size,
             samples: Samples::ONE,
-            tone: Tone::default(),
+            tone: world.tone(Tone::default()),
             outlines: None,
             isa: Isa::best(),
         }
@@ -91,10 +91,10 @@ impl<'a> RayTracer<'a> {
         self
     }
 
-    /// Sets the exposure and the tone mapping of a lit picture.
+    /// Sets the exposure and the tone mapping of a lit picture; a flat one has none.
     #[must_use]
     pub fn tone(mut self, tone: Tone) -> Self {
-        self.tone = tone;
+        self.tone = self.world.tone(tone);
         self
     }
 
@@ -206,6 +206,7 @@ mod tests {
         color::Color,
         geometry::Geometry,
         shape::{cuboid::Cuboid, sphere::Sphere},
+        tone::ToneMapping,
     };
 
     fn camera() -> Camera {
@@ -247,13 +248,16 @@ mod tests {
         let camera = PerspectiveCamera::new(eye, DVec3::new(0.0, -4.0, -5.0), DVec3::Y, 0.5);
         let camera = camera.unwrap().into();
         let cube = Geometry::new(cube, white).by_face([white, white, white, red]);
-        let world = World::new(vec![cube], Color::BLACK);
-        for samples in [1, 4] {
+        // Half a level, and a tone that a flat picture does not have.
+        let background = Color::new(0.5, 253.5 / 255.0, 0.1);
+        let world = World::new(vec![cube], background);
+        for samples in [1, 4, 9, 3600] {
             let tracer = RayTracer::new(&camera, &world, 64, 64).unwrap();
+            let tracer = tracer.tone(Tone::new(1.0, ToneMapping::Neutral));
             let image = tracer.samples(Samples::new(samples).unwrap()).draw();
             assert_eq!(image.pixel(32, 30), Some([255, 0, 0]), "the upper side");
             assert_eq!(image.pixel(32, 44), Some([255; 3]), "the front");
-            assert_eq!(image.pixel(0, 0), Some([0; 3]));
+            assert_eq!(image.pixel(0, 0), Some(background.to_rgb8()));
         }
     }
 

@@ -25,6 +25,14 @@ pub struct Tone {
 }
 
 impl Tone {
+    /// The tone of a flat picture: each color is that from which its light was made. Powers and sums of
+    /// samples round, and half a level is rounded up; so the light is a little more than it was.
+    pub(crate) const FLAT: Self = Self {
+        exposure: 0.0,
+        factor: 1.0 + 4096.0 * f64::EPSILON,
+        mapping: ToneMapping::Clip,
+    };
+
     /// Creates a tone; each stop of `exposure` doubles the light.
     pub fn new(exposure: f64, mapping: ToneMapping) -> Self {
         Self {

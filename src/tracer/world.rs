@@ -10,6 +10,7 @@ use crate::tracer::{
     radiance::Radiance,
     ray::Ray,
     shape::face::{Crossing, FaceId, Own},
+    tone::Tone,
 };
 
 /// The geometries, the background and the lights of a scene.
@@ -222,6 +223,14 @@ impl World {
     /// The lights, if the world is lit.
     pub const fn lighting(&self) -> Option<&Lighting> {
         self.lighting.as_ref()
+    }
+
+    /// Returns the tone of a picture, which is that asked for if the world is lit.
+    pub(crate) fn tone(&self, asked: Tone) -> Tone {
+        match self.lighting {
+            Some(_) => asked,
+            None => Tone::FLAT,
+        }
     }
 
     /// Returns true if the material of some geometry depends on the point, so that even a flat

@@ -26,7 +26,6 @@ class Scenes:
 
     def __init__(self, seed):
         self.random = random.Random(seed)
-        # Solids with several colors are shown by way of linear light, where half a level is not exact.
         self.has_solids = self.chance(0.3)
 
     def chance(self, p):
@@ -72,7 +71,7 @@ class Scenes:
                 self.random.choice("0123456789abcdefABCDEF")
                 for _ in range(self.random.choice((3, 6)))
             )
-        if self.chance(0.3) and not self.has_solids:
+        if self.chance(0.3):
             return [(self.random.randint(0, 255) + 0.5) / 255.0 for _ in range(3)]
         return [self.random.uniform(-0.1, 1.1) for _ in range(3)]
 
