@@ -25,8 +25,8 @@ pub struct Tone {
 }
 
 impl Tone {
-    /// The tone of a flat picture: each color is that from which its light was made. Powers and sums of
-    /// samples round, and half a level is rounded up; so the light is a little more than it was.
+    /// The tone of a flat picture, which shows each color unchanged. Powers and sums of samples are
+    /// rounded, so the light is increased slightly: a color at half a level must still be rounded up.
     pub(crate) const FLAT: Self = Self {
         exposure: 0.0,
         factor: 1.0 + 4096.0 * f64::EPSILON,

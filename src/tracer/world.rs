@@ -225,10 +225,10 @@ impl World {
         self.lighting.as_ref()
     }
 
-    /// Returns the tone of a picture, which is that asked for if the world is lit.
-    pub(crate) fn tone(&self, asked: Tone) -> Tone {
+    /// Returns the tone of a picture: the requested one if the world is lit.
+    pub(crate) fn tone(&self, requested: Tone) -> Tone {
         match self.lighting {
-            Some(_) => asked,
+            Some(_) => requested,
             None => Tone::FLAT,
         }
     }

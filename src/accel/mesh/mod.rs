@@ -48,8 +48,8 @@ const TOGETHER: usize = 1 << 14;
 const FEW: usize = 8;
 
 thread_local! {
-    /// The place of the triangle that a ray has met last, in any mesh: its corners will be asked for, and
-    /// the list of all places is far away in memory.
+    /// The place of the triangle that this thread found last, in any mesh: its corners are needed next, and
+    /// the list of all places is rarely in the cache.
     static LAST: Cell<usize> = const { Cell::new(0) };
 }
 

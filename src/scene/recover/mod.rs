@@ -101,7 +101,7 @@ pub(crate) fn recover<'de, T: Deserialize<'de>>(
     }
 }
 
-/// The stand-in for a number: a NaN that no text means, so that no check reports or counts it.
+/// The stand-in for a number: a NaN that no text produces, so that checks neither report nor count it.
 pub(crate) const NO_NUMBER: f64 = f64::from_bits(f64::NAN.to_bits() | 1);
 
 struct Notes {

@@ -106,7 +106,7 @@ pub(crate) fn problems(
     let mut duplicates = Duplicates::of(model);
     let materials: HashSet<_> = model.names_of_materials().collect();
     let mut leaves = world.leaves().peekable();
-    // The end of the solid that is put together last.
+    // The end of the last solid with operands.
     let mut parts_until = Ordinal::default();
     for (at, geometry) in model.walk() {
         let leaf = leaves.next_if(|leaf| leaf.at == at);
@@ -129,7 +129,7 @@ pub(crate) fn problems(
                 found.solid(geometry, at, model);
                 let moves = |frames: &Frames| frames.move_leaf(model, at);
                 if !stand_ins.has_part_of(at, geometry) && !frames.as_ref().is_some_and(moves) {
-                    found.emptied(geometry, at, model);
+                    found.empty_solid(geometry, at, model);
                 }
             }
             _ => {}

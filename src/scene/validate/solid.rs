@@ -44,25 +44,25 @@ impl Found {
         }
     }
 
-    /// Reports a solid of which its operation leaves nothing.
-    pub(super) fn emptied(&mut self, solid: &GeometryModel, at: Ordinal, model: &Model) {
+    /// Reports a solid that is empty.
+    pub(super) fn empty_solid(&mut self, solid: &GeometryModel, at: Ordinal, model: &Model) {
         let Some(Ok(Shape::Solid(shape))) = solid.any_shape() else {
             return;
         };
-        if !shape.leaves_nothing() {
+        if !shape.is_surely_empty() {
             return;
         }
         let (why, help) = match solid.operation() {
             Some(Operation::Difference) => (
-                "`minus` cuts all of it away",
+                "`minus` cuts all of the solid away",
                 "move or shrink what is cut away, or remove the solid",
             ),
             _ => (
-                "its operands do not meet",
+                "the operands of the solid do not meet",
                 "move them until they do, or remove the solid",
             ),
         };
-        let message = format!("this has no effect: the solid is empty, for {why}");
+        let message = format!("this has no effect: {why}");
         let path = model.path_of(at);
         self.push(Problem::new(Code::NoEffect, path, Focus::Name, message).help(help));
     }

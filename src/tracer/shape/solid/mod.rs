@@ -146,10 +146,10 @@ impl Solid {
         self.parts.iter().map(|part| &part.shape)
     }
 
-    /// Returns true if nothing is left of the operands, as far as their boxes show: those of an
-    /// intersection are apart, or what is cut away holds that of the first.
-    pub(crate) fn leaves_nothing(&self) -> bool {
-        self.root.leaves_nothing(&self.parts)
+    /// Returns true if the bounding boxes show that the solid is empty: those of the operands of an
+    /// intersection are disjoint, or that of the first operand of a difference lies in another operand.
+    pub(crate) fn is_surely_empty(&self) -> bool {
+        self.root.is_surely_empty(&self.parts)
     }
 
     /// Returns the lower and upper corners of a box around the solid, or `None` if it is unbounded
@@ -323,8 +323,8 @@ impl Node {
         }
     }
 
-    /// Returns [`Solid::leaves_nothing`].
-    fn leaves_nothing(&self, parts: &[Part]) -> bool {
+    /// Returns [`Solid::is_surely_empty`].
+    fn is_surely_empty(&self, parts: &[Part]) -> bool {
         let Self::Of(of) = self else {
             return false;
         };

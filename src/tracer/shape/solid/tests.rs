@@ -241,7 +241,7 @@ fn the_support_is_beyond_every_hit() {
 }
 
 #[test]
-fn of_what_leaves_nothing_nothing_is_hit() {
+fn of_what_is_surely_empty_nothing_is_hit() {
     let mut rng = Rng(22);
     let (mut empty, mut hits) = (0, 0);
     for _ in 0..cases(CASES / 4) {
@@ -260,7 +260,7 @@ fn of_what_leaves_nothing_nothing_is_hit() {
             _ => cube,
         };
         let whole = Solid::new(operation, [Shape::from(one), second]).unwrap();
-        if !whole.leaves_nothing() {
+        if !whole.is_surely_empty() {
             continue;
         }
         empty += 1;
