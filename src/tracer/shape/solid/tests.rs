@@ -241,7 +241,7 @@ fn the_support_is_beyond_every_hit() {
 }
 
 #[test]
-fn of_what_is_surely_empty_nothing_is_hit() {
+fn an_empty_solid_is_never_hit() {
     let mut rng = Rng(22);
     let (mut empty, mut hits) = (0, 0);
     for _ in 0..cases(CASES / 4) {
