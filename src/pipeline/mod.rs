@@ -27,7 +27,14 @@ use crate::{
     scene::{
         build::{self, Built},
         document::Document,
-        format::{camera::CameraModel, fit::FitModel, outlines::OutlinesModel, scene::Model},
+        format::{
+            camera::CameraModel,
+            fit::{
+                FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
+            },
+            outlines::OutlinesModel,
+            scene::Model,
+        },
         framing::{Framing, Known, Subject},
         locate::range_of,
         options::ReadOptions,
@@ -75,7 +82,7 @@ pub struct Scene {
 }
 
 /// The cameras of a scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Cameras {
     /// The camera that the scene is rendered with.
     chosen: Viewpoint,
@@ -87,7 +94,7 @@ struct Cameras {
 }
 
 /// A camera in the picture of the scene's size.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Viewpoint {
     camera: Camera,
     /// The point that it looks at, if the scene gives one.
@@ -153,6 +160,35 @@ impl Scene {
         let framing = framing(&self.world, self.moving.as_deref(), &self.known);
         let camera = CameraModel::Fit(fit.clone());
         let camera = framing.build(&camera, (size.width(), size.height()), self.frame);
+        camera.map_err(|error| refused(&self.file, &error))
+    }
+
+    /// Returns the current camera as far away that all bounded geometries are in the picture, in all frames.
+    pub(crate) fn camera_of_all(&self) -> Result<Camera, Error> {
+        let camera = self.camera();
+        let (width, height) = (self.size.width(), self.size.height());
+        let (projection, size) = match camera {
+            Camera::Perspective(camera) => {
+                let fov = 2.0 * camera.half_angle().to_degrees();
+                let projection = PerspectiveProjectionModel { fov };
+                (ProjectionModel::Perspective(projection), (width, height))
+            }
+            Camera::Orthographic(camera) => {
+                let projection = ProjectionModel::Orthographic(OrthographicProjectionModel {});
+                // A stretched picture is as wide in the scene as it is high.
+                let width = if camera.stretch() { height } else { width };
+                (projection, (width, height))
+            }
+        };
+        let fit = FitModel {
+            from: Some((-camera.gaze()).into()),
+            up: Some(camera.up().into()),
+            projection: Some(projection),
+            margin: None,
+        };
+        let framing = framing(&self.world, self.moving.as_deref(), &self.known);
+        let camera = framing.explicit(&fit, size);
+        let camera = camera.and_then(|camera| camera.build());
         camera.map_err(|error| refused(&self.file, &error))
     }
 
@@ -232,6 +268,17 @@ impl Scene {
             ..self.cameras.chosen
         };
         self
+    }
+
+    /// Returns true if all pictures of both scenes are certainly equal, of every camera and layer. Those of
+    /// animations are not compared.
+    pub(crate) fn looks_like(&self, other: &Self) -> bool {
+        let fields = |scene: &Self| (scene.size, scene.samples, scene.tone, scene.outlines);
+        fields(self) == fields(other)
+            && self.cameras == other.cameras
+            && self.world == other.world
+            && self.moving.is_none()
+            && other.moving.is_none()
     }
 
     /// Returns the exposure and tone mapping of a lit picture.

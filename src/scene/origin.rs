@@ -59,12 +59,20 @@ impl Origin {
 impl FromStr for Origin {
     type Err = Error;
 
-    /// Reads a path, such as `geometries[3].geometries[0]`.
+    /// Reads a path, such as `geometries[3].geometries[0]`, or one with a row, such as
+    /// `geometries[3] row 17`.
     fn from_str(text: &str) -> Result<Self, Error> {
-        let steps = path::parts(text).unwrap_or_default().into_iter();
+        let (place, row) = match text.rsplit_once(" row ") {
+            Some((place, row)) => (place, row.parse().map(Some)),
+            None => (text, Ok(None)),
+        };
+        let steps = path::parts(place).unwrap_or_default().into_iter();
         let steps: Vec<_> = steps.map(|part| part.step).collect();
         let found = Self::around(&Path::from(&steps[..]));
         let found = found.filter(|found| found.path().steps().len() == steps.len());
+        let found = found
+            .zip(row.ok())
+            .map(|(found, row)| Self { row, ..found });
         found.ok_or_else(|| {
             let message = "not a geometry, expected a path such as `geometries[3]`";
             Error::usage(Diagnostic::new(Code::UnknownPath, 0..text.len(), message))

@@ -285,7 +285,9 @@ impl Origins {
             (list, first, geometry) = (group, first + start, *inner);
         }
         let indices = list.indices_in_list(geometry);
-        first + indices.start..first + indices.end
+        let indices = first + indices.start..first + indices.end;
+        let row = origin.row.and_then(|row| indices.clone().nth(row));
+        row.map_or(indices, |row| row..row + 1)
     }
 
     /// The span of a geometry of this list.

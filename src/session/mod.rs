@@ -67,12 +67,13 @@ pub struct Checked {
     document: Document,
     files: Vec<PathBuf>,
     scene: Option<Ready>,
+    is_broken: bool,
 }
 
 /// The last scene without errors.
 #[derive(Clone, Debug)]
 pub struct Ready {
-    /// The revision that it is of.
+    /// The first revision with the same pictures: that of a text with another comment stays.
     pub revision: u64,
     /// The scene.
     pub scene: Arc<Scene>,
@@ -105,9 +106,8 @@ impl Checked {
     }
 
     /// Returns true if the text has errors, so that [`Checked::scene`] is of an earlier one.
-    pub fn is_broken(&self) -> bool {
-        let revision = self.scene.as_ref().map(|ready| ready.revision);
-        revision != Some(self.revision)
+    pub const fn is_broken(&self) -> bool {
+        self.is_broken
     }
 }
 
@@ -232,12 +232,16 @@ impl Shared {
         let files = document.dependencies().into_iter();
         let files = files.map(|file| file.path.to_owned()).collect();
         let scene = self.keeps_scene.then(|| Scene::try_from(document));
+        let is_broken = !matches!(scene, Some(Ok(_)));
+        let before = last.and_then(|last| last.scene.as_ref());
         let scene = match scene {
             Some(Ok(scene)) => Some(Ready {
-                revision,
+                revision: before
+                    .filter(|before| before.scene.looks_like(&scene))
+                    .map_or(revision, |before| before.revision),
                 scene: scene.into(),
             }),
-            Some(Err(_)) => last.and_then(|last| last.scene.clone()),
+            Some(Err(_)) => before.cloned(),
             None => None,
         };
         Ok(Checked {
@@ -246,6 +250,7 @@ impl Shared {
             document: findings,
             files,
             scene,
+            is_broken,
         })
     }
 }

@@ -20,7 +20,7 @@ use crate::{
         view::{View, pivot},
     },
     text::{edit::Edit, syntax},
-    tracer::camera::Camera,
+    tracer::{camera::Camera, vector::unit},
 };
 
 /// The fraction of a length below which a change of it is not worth a digit.
@@ -81,6 +81,38 @@ impl Checked {
         Ok(rewrite.edits)
     }
 
+    /// Returns the edits that move the camera of a view back, or forth, until all bounded geometries are in the
+    /// picture. Its direction stays.
+    ///
+    /// # Errors
+    ///
+    /// As [`Checked::move_camera`], and a scene without bounded geometries.
+    pub fn frame_all(&self, view: &View) -> Result<Vec<Edit>, Error> {
+        let scene = self.current()?;
+        let before = view.before_motion(scene)?;
+        if before.is_framed() {
+            return Err(refused(
+                "the camera is a `Fit`, which frames all geometries",
+            ));
+        }
+        let (camera, moved) = (before.camera(), before.camera_of_all()?);
+        let ahead = unit(camera.gaze());
+        let distance = (middle(&before) - moved.eye()).dot(ahead);
+        let finest = distance * NOTICED;
+        let path = view.path_of_camera(scene);
+        let mut rewrite = Rewrite::new(&self.document);
+        rewrite.vector(&path.field("eye"), camera.eye(), moved.eye(), finest)?;
+        if let Some(target) = before.target() {
+            let point = moved.eye() + ahead * distance;
+            rewrite.vector(&path.field("look_at"), target, point, finest)?;
+        }
+        if let (Camera::Orthographic(camera), Camera::Orthographic(moved)) = (camera, moved) {
+            let finest = moved.scale() * NOTICED;
+            rewrite.number(&path.field("scale"), camera.scale(), moved.scale(), finest)?;
+        }
+        Ok(rewrite.edits)
+    }
+
     /// Returns the edits that shift a geometry of the scene, seen in a view, by pixels: to the
     /// right, and down. It stays in a plane that is parallel to the picture.
     ///
@@ -132,6 +164,15 @@ impl Checked {
             _ => Err(refused("the scene has errors")),
         }
     }
+}
+
+/// Returns the middle of the bounded geometries of a scene.
+fn middle(scene: &Scene) -> DVec3 {
+    let geometries = scene.world().geometries().iter();
+    let bounds = geometries.filter_map(|geometry| geometry.shape().bounds());
+    let whole = bounds
+        .reduce(|[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)]);
+    whole.map_or(DVec3::ZERO, |[low, high]| low.midpoint(high))
 }
 
 /// Returns the shift in the scene of a point that moves by pixels in the picture, to the right and
@@ -264,6 +305,51 @@ mod tests {
         };
         let error = checked.move_camera(&pan).unwrap_err().to_string();
         assert!(error.contains("--explicit-camera"), "{error}");
+    }
+
+    #[test]
+    fn a_camera_that_sees_nothing_frames_all() {
+        let geometries = r##"geometries: [Sphere(center: (5, 1, 0), radius: 1, color: "#f00"),
+            Plane(point: (0, 0, 0), normal: (0, 1, 0), color: "#0f0"),
+            Sphere(center: (7, 1, 0), radius: 1, color: "#f00")])"##;
+        for (camera, framed) in [
+            (
+                "Perspective(eye: (0, 1, /* far */ -5), look_at: (0, 1, -9), fov: 60)",
+                "Perspective(eye: (6, 1, /* far */ 2.",
+            ),
+            (
+                "Orthographic(eye: (0, 1, -5), gaze: (0, 0, -2), scale: 1)",
+                "Orthographic(eye: (6, 1, ",
+            ),
+        ] {
+            let text = format!("(camera: {camera}, {geometries}");
+            let found = checked(&text);
+            assert!(
+                found
+                    .document()
+                    .diagnostics()
+                    .iter()
+                    .any(|found| { found.code == crate::diagnostic::Code::NothingVisible })
+            );
+            let edits = found.frame_all(&View::default()).unwrap();
+            let text = edited(&text, &edits);
+            assert!(text.contains(framed), "{text}");
+            let found = checked(&text);
+            let scene = &found.scene().unwrap().scene;
+            let seen = scene.seen(&crate::RenderOptions::new()).unwrap();
+            let seen: Vec<_> = seen.iter().map(|seen| (seen.id, seen.bounds)).collect();
+            for id in [0, 2] {
+                let [x, _, width, _] = seen.iter().find(|seen| seen.0 == id).unwrap().1;
+                assert!(x > 0 && x + width < 640, "{seen:?}");
+            }
+            // It is as near as that allows.
+            let again = found.frame_all(&View::default()).unwrap();
+            assert!(again.is_empty(), "{again:?}");
+        }
+        let plane =
+            "(camera: Perspective(eye: (0, 1, 0), look_at: (0, 1, 5), fov: 60), geometries: [
+            Plane(point: (0, 0, 0), normal: (0, 1, 0), color: \"#0f0\")])";
+        assert!(checked(plane).frame_all(&View::default()).is_err());
     }
 
     fn origin(path: &str) -> Origin {

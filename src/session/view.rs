@@ -14,7 +14,7 @@ use crate::{
     render::layers::Layer,
     scene::origin::Origin,
     session::{camera::Motion, outline::outline, refused},
-    tracer::{hit::Hit, ray::Ray, tone::Tone},
+    tracer::{hit::Hit, ray::Ray, shape::Shape, tone::Tone},
 };
 
 /// The parts of a scene that a picture shows.
@@ -57,6 +57,11 @@ pub struct Seen<'a> {
     /// The hit of the ray through the center of the pixel.
     pub hit: Hit<'a>,
 }
+
+/// The columns of the row of a table of spheres.
+const SPHERE: [&str; 4] = ["x", "y", "z", "radius"];
+/// Those of cylinders.
+const CYLINDER: [&str; 7] = ["x1", "y1", "z1", "x2", "y2", "z2", "radius"];
 
 impl View {
     /// Returns the scene as this view shows it.
@@ -134,6 +139,16 @@ impl View {
             return Ok(options);
         }
         let seen = scene.seen(&options)?;
+        // A plane goes as far as the horizon; beside that, everything else would be at the same depth.
+        let is_bounded = |id: usize| {
+            let geometry = scene.world().with_id(id);
+            geometry.is_some_and(|geometry| geometry.shape().bounds().is_some())
+        };
+        let has_bounded = seen.iter().any(|seen| is_bounded(seen.id));
+        let seen: Vec<_> = seen
+            .iter()
+            .filter(|seen| !has_bounded || is_bounded(seen.id))
+            .collect();
         let near = seen.iter().map(|seen| seen.nearest);
         let far = seen.iter().map(|seen| seen.farthest);
         let (near, far) = (near.fold(f64::INFINITY, f64::min), far.fold(0.0, f64::max));
@@ -219,6 +234,24 @@ impl Scene {
                 .ray_for(width, height, f64::from(x), f64::from(y))
         };
         (x < width).then(ray)
+    }
+
+    /// Returns the names and values of the columns that give the row of a table its place, its size and its
+    /// color by value; empty for any other geometry.
+    pub fn columns_of(&self, seen: &Seen<'_>) -> Vec<(&str, f64)> {
+        let shape = seen.hit.geometry.shape();
+        let names: &[&str] = match shape {
+            _ if seen.origin.row.is_none() => &[],
+            Shape::Sphere(_) => &SPHERE,
+            Shape::Cylinder(_) => &CYLINDER,
+            _ => &[],
+        };
+        let mut numbers = Vec::new();
+        shape.each_number(|number| numbers.push(number));
+        let value = self
+            .value(seen.id)
+            .map(|(value, scale)| (&*scale.column, value));
+        names.iter().copied().zip(numbers).chain(value).collect()
     }
 
     /// Returns the layers that can be shown as a picture.

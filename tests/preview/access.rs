@@ -18,6 +18,8 @@ pub(crate) const TESTS: &[(&str, PageTest)] = tests![
     the_keyboard_reaches_every_control,
     the_keyboard_alone_is_enough,
     a_telephone_shows_all,
+    a_telephone_shows_the_picture_above_the_diagnostics,
+    the_keys_are_on_the_page,
     a_finger_finds_a_geometry,
     light_and_dark,
 ];
@@ -217,6 +219,54 @@ fn a_telephone_shows_all(browser: &Browser) {
     assert_no_sideways_scroll(&page);
     page.call("scrollTo(0, 10000)", &[]);
     page.shot("360-bottom");
+}
+
+fn a_telephone_shows_the_picture_above_the_diagnostics(browser: &Browser) {
+    browser.emulate_width(Some(360));
+    let page = Page::of(browser, EVERYTHING);
+    let broken = EVERYTHING.replace("radius: 2, color", "raduis: 2, color");
+    page.and_reach("broken", || page.preview.write(&broken));
+    for css in ["#picture", "#save", "#count", "#diagnostics .problem"] {
+        let [_, top, _, height] = page.rectangle(css);
+        assert!(
+            top >= 0.0 && top + height <= 740.0,
+            "{css}: {top} + {height}"
+        );
+    }
+    let [_, _, _, height] = page.rectangle("#source");
+    assert!(height > 90.0, "{height}");
+}
+
+fn the_keys_are_on_the_page(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    page.click("#show-keys");
+    page.wait("document.getElementById('keys-dialog').open");
+    page.shot("keys");
+    let keys = page.text("document.getElementById('keys-dialog').textContent");
+    // All of the table of the manual, and of the hint on the picture.
+    let manual = include_str!("../../docs/preview.md");
+    let (_, table) = manual.split_once("| key | purpose |").unwrap();
+    let rows = table
+        .lines()
+        .skip(2)
+        .map_while(|line| line.strip_prefix("| "));
+    for row in rows {
+        let (key, _) = row.split_once(" |").unwrap();
+        assert!(keys.contains(key), "{key}: {keys}");
+    }
+    page.keys(&key::ESCAPE.to_string());
+    page.wait("!document.getElementById('keys-dialog').open");
+    page.call("document.getElementById('frame').focus()", &[]);
+    page.keys("?");
+    page.wait("document.getElementById('keys-dialog').open");
+    page.keys(&key::ESCAPE.to_string());
+    for (key, tool) in [("c", "camera"), ("m", "move"), ("i", "inspect")] {
+        page.call("document.getElementById('frame').focus()", &[]);
+        page.keys(key);
+        assert!(page.is(&format!(
+            "document.querySelector('input[value={tool}]').checked"
+        )));
+    }
 }
 
 fn a_finger_finds_a_geometry(browser: &Browser) {

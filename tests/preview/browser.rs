@@ -59,6 +59,20 @@ impl Browser {
         let inner = browser.0.as_ref().unwrap();
         inner.reset();
         test(inner);
+        let errors = inner.console_errors();
+        assert!(errors.is_empty(), "the console of the page: {errors:#?}");
+    }
+
+    /// Returns the errors in the console since the last call, and forgets them. Each test ends without any.
+    pub(crate) fn console_errors(&self) -> Vec<String> {
+        let session = self.runtime.block_on(self.client.session_id()).unwrap();
+        let path = format!("/session/{}/se/log", session.unwrap());
+        let answer = Request::post(&path).body(r#"{"type": "browser"}"#);
+        let answer = answer.send(driver::port());
+        let answer: Value = serde_json::from_slice(&answer.body).unwrap();
+        let entries = answer["value"].as_array().unwrap().iter();
+        let errors = entries.filter(|entry| entry["level"] == "SEVERE");
+        errors.map(|entry| entry["message"].to_string()).collect()
     }
 
     fn new() -> Self {
@@ -100,6 +114,7 @@ impl Browser {
     /// Forgets the page and the emulations of the test before.
     fn reset(&self) {
         self.open("about:blank");
+        self.console_errors();
         self.emulate_width(None);
         self.emulate_dark(false);
         // Which window of several browsers has the focus is up to the system.
@@ -109,6 +124,15 @@ impl Browser {
 
     pub(crate) fn open(&self, url: &str) {
         self.runtime.block_on(self.client.goto(url)).unwrap();
+    }
+
+    /// Runs a script before those of each page while `what` is done.
+    pub(crate) fn with_script<T>(&self, script: &str, what: impl FnOnce() -> T) -> T {
+        let source = json!({"source": script});
+        let id = self.dev_tools("Page.addScriptToEvaluateOnNewDocument", &source);
+        let result = what();
+        self.dev_tools("Page.removeScriptToEvaluateOnNewDocument", &id);
+        result
     }
 
     /// Runs a script with arguments, and returns its result.

@@ -17,6 +17,8 @@ pub(crate) const TESTS: &[(&str, PageTest)] = tests![
     a_geometry_is_dragged,
     a_geometry_is_moved_by_keys,
     what_an_animation_moves_is_explained,
+    the_pixel_is_read_again_after_a_movement,
+    everything_is_framed,
 ];
 
 fn tool(page: &Page, name: &str) {
@@ -196,4 +198,75 @@ fn what_an_animation_moves_is_explained(browser: &Browser) {
     page.wait("connection.textContent.includes('animation')");
     page.wait("document.body.dataset.state === 'drawn'");
     assert_eq!(page.source(), text);
+}
+
+fn the_pixel_is_read_again_after_a_movement(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    let (x, y) = page.at((22, 24));
+    let [_, _, width, _] = page.rectangle("#picture");
+    let pixels = width / 64.0;
+    tool(&page, "move");
+    let end = (x + 4.0 * pixels, y);
+    page.and_draw(|| page.drag(&[(x, y), (x + 2.0 * pixels, y), end, end]));
+    page.wait("readout.textContent.includes('pixel 26, 23 ')");
+    page.wait("readout.textContent.includes('geometries[0]')");
+    page.point((x + 5.0 * pixels, y));
+    tool(&page, "camera");
+    // The camera comes nearer, and the sphere with it.
+    let at = page.at((14, 24));
+    page.point(at);
+    page.wait("readout.textContent.includes('background')");
+    page.and_draw(|| {
+        for _ in 0..10 {
+            page.wheel(at, -100);
+        }
+    });
+    page.wait("readout.textContent.includes('geometries[0]')");
+    // A sphere that turns away from the mouse.
+    let at = page.at((22, 24));
+    page.point(at);
+    page.and_draw(|| page.drag(&[at, (at.0 + 60.0, at.1), (at.0 + 120.0, at.1)]));
+    page.wait_for("the pixel at the end", || {
+        let column = ((at.0 + 120.0 - page.rectangle("#picture")[0]) / pixels).floor();
+        page.text("readout.textContent")
+            .contains(&format!("pixel {column}, 23 "))
+    });
+}
+
+fn everything_is_framed(browser: &Browser) {
+    let away = SCENE.replace("look_at: (0, 0,0)", "look_at: (0, 0,9)");
+    let away = away.replace(
+        "        Plane(point: (0, -1, 0), normal: (0, 1, 0), color: (0.5, 0.5, 0.5)),\n",
+        "",
+    );
+    let page = Page::of(browser, &away);
+    page.wait("document.querySelector('[data-code=nothing-visible]')");
+    page.and_draw(|| page.click("[data-code=nothing-visible] .fix"));
+    page.wait("count.textContent === 'No problems'");
+    let text = page.source();
+    assert_eq!(
+        around(&text).replace('-', ""),
+        around(&away).replace('-', "")
+    );
+    let red = (0..64).filter(|x| page.color("picture", (*x, 24)) == [255, 0, 0, 255]);
+    assert!((15..32).contains(&red.count()));
+    // From any other place, also by the button and the key.
+    for how in ["#frame-all", ""] {
+        page.click("#save");
+        page.wait("saved.textContent === ''");
+        let far = page.source().replace("eye: (0", "eye: (99");
+        page.and_draw(|| page.preview.write(&far));
+        page.and_draw(|| match how {
+            "" => {
+                page.call("document.getElementById('frame').focus()", &[]);
+                page.keys("f");
+            }
+            button => page.click(button),
+        });
+        let colors: Vec<_> = (0..64).map(|x| page.color("picture", (x, 24))).collect();
+        assert!(colors.contains(&[255, 0, 0, 255]) && colors.contains(&[0, 255, 0, 255]));
+    }
+    // Undone in one step.
+    page.and_draw(|| page.click("#undo"));
+    assert!(page.source().contains("eye: (99"));
 }

@@ -40,6 +40,21 @@ fn wipe_side_by_side_and_difference(browser: &Browser) {
     page.keys(&key::HOME.to_string());
     page.wait("getComputedStyle(reference).clipPath.includes('0%') || getComputedStyle(reference).clipPath === 'inset(0px)'");
 
+    // The border in the picture itself.
+    let [left, top, width, height] = page.rectangle("#wipe-line");
+    let from = (left + width / 2.0, top + height / 2.0);
+    let [left, _, width, _] = page.rectangle("#picture");
+    assert!((from.0 - left).abs() < 2.0, "{from:?}");
+    page.drag(&[
+        from,
+        (left + width / 2.0, from.1),
+        (left + width * 0.75, from.1),
+    ]);
+    page.wait("Math.abs(wipe.valueAsNumber - 75) < 1");
+    assert!(page.style("#reference", "clipPath").contains("75"));
+    // It does not pan or find anything.
+    assert!(page.is("why.disabled") || page.text("zoom.value") == "0");
+
     page.choose("#compare-mode", "side");
     page.wait("canvas.dataset.mode === 'side'");
     // Both at one moment: a line of text above may still change its height.

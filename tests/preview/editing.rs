@@ -162,6 +162,13 @@ fn docs_under_the_mouse(browser: &Browser) {
     page.shot("hover");
     let docs = page.text("document.querySelector('.hover-docs').textContent");
     assert!(docs.contains("look_at") && docs.len() > 20, "{docs}");
+    // It is in the way of who types.
+    page.cursor_before("// small");
+    page.point((at.0 - 3.0, at.1));
+    page.point(at);
+    page.wait("document.querySelector('.hover-docs')");
+    page.keys("a");
+    page.wait("!document.querySelector('.hover-docs')");
 }
 
 fn a_color_opens_a_picker(browser: &Browser) {

@@ -3,7 +3,7 @@
 use super::{
     PageTest,
     browser::{Browser, key},
-    preview::{Page, SCENE},
+    preview::{Page, Preview, SCENE},
     tests,
 };
 
@@ -12,6 +12,8 @@ pub(crate) const TESTS: &[(&str, PageTest)] = tests![
     the_cursor_outlines_its_geometry,
     the_pixel_under_the_mouse_is_read,
     a_pixel_is_explained,
+    a_row_of_a_table_is_marked_alone,
+    a_row_of_a_table_is_not_moved,
 ];
 
 const LEFT: (u32, u32) = (22, 24);
@@ -66,7 +68,7 @@ fn the_pixel_under_the_mouse_is_read(browser: &Browser) {
     page.wait("readout.textContent.includes('right')");
     let text = page.text("readout.textContent");
     for part in [
-        "41, 24",
+        "pixel 41, 23 (y from the bottom)",
         "#00ff00",
         "0, 255, 0",
         "sphere",
@@ -93,11 +95,61 @@ fn a_pixel_is_explained(browser: &Browser) {
     page.shot("why");
     // The words of `strahl pixel`.
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_strahl"))
-        .args(["pixel", "scene.ron", "--from-top", "41,24"])
+        .args(["pixel", "scene.ron", "41,23"])
         .current_dir(page.preview.folder())
         .output()
         .unwrap();
     assert_eq!(text, String::from_utf8(output.stdout).unwrap());
     page.keys(&key::ESCAPE.to_string());
     page.wait("!document.getElementById('why-dialog').open");
+}
+
+/// Opens the page of a scene with three spheres in a table, from left to right.
+fn with_table(browser: &Browser) -> Page<'_> {
+    let folder = tempfile::TempDir::new().unwrap();
+    let rows = "x,y,z,charge\n-1.5,0,0,3.5\n0,0.25,0,-1\n1.5,0,0,2\n";
+    std::fs::write(folder.path().join("atoms.csv"), rows).unwrap();
+    let scene = folder.path().join("scene.ron");
+    let text = r##"(
+    image: (width: 64, height: 48),
+    camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
+    geometries: [
+        Spheres(file: "atoms.csv", radius: 0.5, color_by: (column: "charge")),
+    ],
+)
+"##;
+    std::fs::write(&scene, text).unwrap();
+    let preview = Preview::start(folder, scene, &["--port", "0", "--no-open"]);
+    Page::open(browser, preview)
+}
+
+fn a_row_of_a_table_is_marked_alone(browser: &Browser) {
+    let page = with_table(browser);
+    page.click_at(page.at((32, 22)));
+    page.wait_for("the line", || page.cursor_line() == 5);
+    page.wait("readout.textContent.includes('row 1')");
+    let text = page.text("readout.textContent");
+    let columns = "x 0, y 0.25, z 0, radius 0.5, charge -1";
+    assert!(text.contains(columns), "{text}");
+    page.wait("!outline.hidden && outline.dataset.geometry === 'geometries[0] row 1'");
+    let edges = |from: u32, to: u32| {
+        let all = (from..to).flat_map(|x| (10..38).map(move |y| (x, y)));
+        all.filter(|at| page.color("outline", *at)[3] == 255)
+            .count()
+    };
+    assert!(edges(22, 42) > 8);
+    assert_eq!((edges(4, 20), edges(44, 60)), (0, 0));
+    // The cursor stands for all rows.
+    page.cursor_before("radius");
+    page.wait("!outline.hidden && outline.dataset.geometry === 'geometries[0]'");
+    assert!(edges(4, 20) > 8 && edges(44, 60) > 8);
+}
+
+fn a_row_of_a_table_is_not_moved(browser: &Browser) {
+    let page = with_table(browser);
+    page.click("#tools input[value=move]");
+    let (x, y) = page.at((32, 22));
+    page.drag(&[(x, y), (x + 20.0, y), (x + 40.0, y)]);
+    page.wait("connection.textContent.includes('not a table')");
+    assert_eq!(page.console_errors(), Vec::<String>::new());
 }

@@ -13,6 +13,10 @@ pub(crate) const TESTS: &[(&str, PageTest)] = tests![
     zoom_shows_exact_pixels,
     a_timeline_with_play,
     a_slow_picture_is_coarse_first,
+    the_last_picture_stays_until_a_whole_one,
+    an_edit_that_changes_no_picture_draws_nothing,
+    a_picture_is_stale_after_a_pause,
+    a_depth_has_the_range_of_what_is_bounded,
     the_picture_is_downloaded,
 ];
 
@@ -77,12 +81,11 @@ fn cameras_layers_and_exposure(browser: &Browser) {
         b > 250 && r.abs_diff(127) < 12 && g.abs_diff(127) < 12,
         "{r} {g} {b}"
     );
-    for layer in ["depth", "geometry", "id"] {
-        let names = page.value("[...layer.options].map(option => option.value)");
-        if names.as_array().unwrap().contains(&layer.into()) {
-            change(&|| page.choose("#layer", layer));
-        }
+    for layer in ["depth", "id", "albedo", "specular", "direct"] {
+        change(&|| page.choose("#layer", layer));
     }
+    // The light of surfaces is all light here; it is shown with the exposure.
+    assert_eq!(page.color("picture", (32, 24)), [255, 0, 0, 255]);
     // More samples.
     page.choose("#layer", "color");
     change(&|| page.choose("#samples", "16"));
@@ -103,7 +106,7 @@ fn zoom_shows_exact_pixels(browser: &Browser) {
     page.choose("#zoom", "8");
     let at = page.at((22, 24));
     page.point(at);
-    page.wait("readout.textContent.includes('22, 24')");
+    page.wait("readout.textContent.includes('22, 23 (y from the bottom)')");
     page.wheel(at, -100);
     page.wait("zoom.value === '16'");
     let after = page.at((22, 24));
@@ -116,6 +119,8 @@ fn zoom_shows_exact_pixels(browser: &Browser) {
     page.wait("zoom.value === '0'");
     let [_, _, width, _] = page.rectangle("#frame");
     assert!(page.rectangle("#picture")[2] <= width);
+    // A scaled picture has no hard pixels.
+    assert_eq!(page.style("#picture", "imageRendering"), "auto");
 }
 
 fn a_timeline_with_play(browser: &Browser) {
@@ -162,16 +167,84 @@ fn a_slow_picture_is_coarse_first(browser: &Browser) {
         "width: 2000, height: 1500, samples: 16",
     );
     let preview = Preview::of("scene.ron", &text);
-    // Before the page's own scripts run, its pictures are noted.
-    browser.dev_tools(
-        "Page.addScriptToEvaluateOnNewDocument",
-        &serde_json::json!({"source": "window.sizes = []; document.addEventListener('load', event => {
-            if (event.target.id === 'picture') window.sizes.push(event.target.naturalWidth);
-        }, true);"}),
-    );
-    let page = Page::open(browser, preview);
+    let page = browser.with_script(SIZES, || Page::open(browser, preview));
     page.wait("sizes.length >= 3");
     assert_eq!(page.value("sizes"), serde_json::json!([500, 2000, 2000]));
+}
+
+/// Notes the widths of the pictures that are shown.
+const SIZES: &str = "window.sizes = []; document.addEventListener('load', event => {
+        if (event.target.id === 'picture') window.sizes.push(event.target.naturalWidth);
+    }, true);";
+
+fn the_last_picture_stays_until_a_whole_one(browser: &Browser) {
+    let text = SCENE.replace(
+        "width: 64, height: 48",
+        "width: 2000, height: 1500, samples: 16",
+    );
+    let preview = Preview::of("scene.ron", &text);
+    let page = browser.with_script(SIZES, || Page::open(browser, preview));
+    page.wait("document.body.dataset.state === 'drawn'");
+    page.call("sizes.length = 0", &[]);
+    page.and_draw(|| page.retype("#ff0000", "#0000ff"));
+    page.wait("sizes.length > 0");
+    let sizes = page.value("sizes");
+    let sizes = sizes.as_array().unwrap();
+    assert!(sizes.iter().all(|width| width == 2000), "{sizes:?}");
+}
+
+fn an_edit_that_changes_no_picture_draws_nothing(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    let pictures = "performance.getEntriesByType('resource')
+        .filter(entry => entry.name.includes('/picture?')).length";
+    let before = (page.number(pictures), page.text("picture.src"));
+    page.cursor_before("// small");
+    page.and_draw(|| page.keys("/* quite */"));
+    page.retype("right", "other");
+    page.wait("saved.textContent === 'unsaved'");
+    // What is found is where it is now, and has its new name.
+    page.click_at(page.at((41, 24)));
+    page.wait("readout.textContent.includes('other')");
+    page.wait_for("the line", || page.cursor_line() == 9);
+    assert_eq!((page.number(pictures), page.text("picture.src")), before);
+    page.and_draw(|| page.retype("#ff0000", "#0000ff"));
+    assert_eq!(page.color("picture", (22, 24)), [0, 0, 255, 255]);
+}
+
+fn a_picture_is_stale_after_a_pause(browser: &Browser) {
+    // The pause of half a second ends when the test says so.
+    let script = "window.pauses = new Map(); const wait = setTimeout, forget = clearTimeout;
+        window.setTimeout = (run, after, ...more) => {
+            if (after !== 500) return wait(run, after, ...more);
+            const id = -1 - window.pauses.size; window.pauses.set(id, run); return id;
+        };
+        window.clearTimeout = id => id < 0 ? window.pauses.delete(id) : forget(id);";
+    let page = browser.with_script(script, || Page::of(browser, SCENE));
+    let is_marked = "getComputedStyle(document.getElementById('stale')).display !== 'none'";
+    page.cursor_before("0.8, color: \"#ff0000\"");
+    page.and_reach("broken", || page.keys("x"));
+    assert!(!page.is(is_marked) && page.style("#picture", "filter") == "none");
+    // Each key starts the pause again.
+    page.and_reach("broken", || page.keys("y"));
+    assert_eq!(page.number("pauses.size"), 1.0);
+    page.call("for (const run of pauses.values()) run()", &[]);
+    page.wait(is_marked);
+    assert_ne!(page.style("#picture", "filter"), "none");
+    page.keys(&key::BACKSPACE.to_string());
+    page.and_draw(|| page.keys(&key::BACKSPACE.to_string()));
+    assert!(!page.is(is_marked) && page.style("#picture", "filter") == "none");
+}
+
+fn a_depth_has_the_range_of_what_is_bounded(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    let before = page.text("picture.src");
+    page.choose("#layer", "depth");
+    page.wait(&format!(
+        "picture.src !== '{before}' && document.body.dataset.state === 'drawn'"
+    ));
+    let [near, ..] = page.color("picture", (24, 24));
+    let [far, ..] = page.color("picture", (16, 24));
+    assert!(near < 64 && far > near + 64, "{near} {far}");
 }
 
 fn the_picture_is_downloaded(browser: &Browser) {

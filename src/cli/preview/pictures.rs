@@ -43,6 +43,8 @@ pub(super) struct Asked {
     y: u32,
     line: usize,
     column: usize,
+    /// The geometry of an outline, in place of the one at the line and column.
+    geometry: Option<String>,
     pub(super) reference: String,
 }
 
@@ -131,6 +133,9 @@ pub(super) async fn outline(
     let (scene, view) = (asked.scene(&desk)?, asked.view()?);
     let place = Place::at(asked.line, asked.column);
     let geometry = apart(move || {
+        if let Some(geometry) = asked.geometry {
+            return Ok(Some(geometry.parse::<Origin>()?));
+        }
         let checked = desk.session().checked().ok_or_else(refuse::gone)?;
         let document = checked.document();
         Ok(document.geometry_at(place.offset(&document.lines())))
@@ -168,6 +173,7 @@ struct SeenGeometry {
     depth: f64,
     position: [f64; 3],
     normal: [f64; 3],
+    columns: Vec<(String, f64)>,
     #[serde(flatten)]
     span: Option<Span>,
 }
@@ -193,6 +199,11 @@ pub(super) async fn pixel(
             depth: seen.hit.t,
             position: seen.hit.point.into(),
             normal: seen.hit.normal.into(),
+            columns: scene
+                .columns_of(&seen)
+                .into_iter()
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
             span: checked.and_then(|checked| {
                 let range = scene.text_range(seen.id)?;
                 Some(Span::new(&checked.document().lines(), &range))
@@ -233,6 +244,8 @@ pub(super) struct Move {
     motion: Option<Vec<f64>>,
     geometry: Option<String>,
     by: Option<[f64; 2]>,
+    #[serde(default)]
+    frame_all: bool,
 }
 
 #[derive(Deserialize)]
@@ -259,6 +272,7 @@ pub(super) async fn shift(
                 let geometry: Origin = geometry.parse()?;
                 checked.move_geometry(&view, &geometry, by)?
             }
+            _ if asked.frame_all => checked.frame_all(&view)?,
             _ => checked.move_camera(&view)?,
         };
         Ok(Json(NewEdits::new(checked.document(), &edits)))

@@ -23,6 +23,9 @@ use super::{
 
 /// The largest request: a picture to compare with, or a long text.
 const LARGEST: usize = 1 << 30;
+/// The header of a refusal that is a part of normal work, with its status. Its answer is a success, because
+/// a browser notes every other one as an error in its console.
+const REFUSED: &str = "x-strahl-refused";
 /// The time between signs of life.
 const ALIVE: Duration = Duration::from_secs(15);
 
@@ -93,7 +96,16 @@ pub(super) struct Refusal {
 
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
-        (self.status, Json(json!({"error": self.message}))).into_response()
+        let body = Json(json!({"error": self.message}));
+        match self.status {
+            StatusCode::CONFLICT
+            | StatusCode::GONE
+            | StatusCode::NOT_FOUND
+            | StatusCode::UNPROCESSABLE_ENTITY => {
+                ([(REFUSED, self.status.as_str().to_owned())], body).into_response()
+            }
+            status => (status, body).into_response(),
+        }
     }
 }
 

@@ -69,6 +69,8 @@ export interface Pixel {
         depth: number;
         position: [number, number, number];
         normal: [number, number, number];
+        /** The columns of the row of a table. */
+        columns: [string, number | null][];
       })
     | null;
 }
@@ -91,9 +93,11 @@ function headers(): Record<string, string> {
 
 async function answer(path: string, init: RequestInit): Promise<Response> {
   const response = await fetch(path, { ...init, headers: { ...headers(), ...init.headers } });
-  if (!response.ok) {
+  // A refusal that can be expected is a success for the browser, which notes others in its console.
+  const refused = response.headers.get("x-strahl-refused");
+  if (!response.ok || refused !== null) {
     const body = (await response.json().catch(() => null)) as { error?: string } | null;
-    throw new Refused(response.status, body?.error ?? response.statusText);
+    throw new Refused(Number(refused ?? response.status), body?.error ?? response.statusText);
   }
   return response;
 }

@@ -8,6 +8,7 @@ import {
   insertCompletionText,
   pickedCompletion,
 } from "@codemirror/autocomplete";
+import { linter } from "@codemirror/lint";
 import type { Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
 import { get, getJson, type Query, Refused, type Span } from "./api.ts";
@@ -100,7 +101,9 @@ export function assist(sync: () => Sync | null): Extension {
   const maxRenderedOptions = 12;
   return [
     autocompletion({ override: [complete], icons: false, maxRenderedOptions }),
-    hoverTooltip(hover),
+    hoverTooltip(hover, { hideOnChange: true }),
+    // Those of diagnostics too.
+    linter(null, { hideOn: (transaction) => transaction.docChanged || null }),
   ];
 }
 

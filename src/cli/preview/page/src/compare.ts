@@ -10,6 +10,8 @@ export class Compare {
   private id: string | null = null;
   private readonly mode = element<HTMLSelectElement>("compare-mode");
   private readonly wipe = element<HTMLInputElement>("wipe");
+  /** The border of the wipe, for the mouse; the slider is for keys. */
+  private readonly line = element("wipe-line");
   private readonly reference = element<HTMLImageElement>("reference");
   private readonly difference = element<HTMLImageElement>("difference");
   private readonly out = element<HTMLOutputElement>("comparison");
@@ -23,6 +25,16 @@ export class Compare {
     });
     this.mode.addEventListener("change", () => void this.update());
     this.wipe.addEventListener("input", () => this.setBorder());
+    this.line.addEventListener("pointerdown", (event) => {
+      event.stopPropagation();
+      this.line.setPointerCapture(event.pointerId);
+    });
+    this.line.addEventListener("pointermove", (event) => {
+      if (!this.line.hasPointerCapture(event.pointerId)) return;
+      const { left, width } = this.reference.getBoundingClientRect();
+      this.wipe.valueAsNumber = ((event.clientX - left) / width) * 100;
+      this.setBorder();
+    });
     document.addEventListener("dragover", (event) => {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     });
@@ -49,7 +61,10 @@ export class Compare {
   }
 
   private setBorder(): void {
-    this.reference.style.clipPath = this.mode.value === "wipe" ? `inset(0 0 0 ${this.wipe.value}%)` : "none";
+    const isWipe = this.id !== null && this.mode.value === "wipe";
+    this.reference.style.clipPath = isWipe ? `inset(0 0 0 ${this.wipe.value}%)` : "none";
+    this.line.hidden = !isWipe;
+    this.line.style.left = `calc(var(--width) * ${this.wipe.valueAsNumber / 100})`;
   }
 
   /** Shows the comparison in the chosen way; again after each new picture. */

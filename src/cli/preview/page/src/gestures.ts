@@ -35,6 +35,7 @@ export class Gestures {
     private readonly picture: Picture,
     private readonly readout: Readout,
     private readonly editor: () => Editor | null,
+    private readonly onFound: (geometry: string) => void,
     private readonly onFailure: (message: string) => void,
   ) {
     const { frame } = this;
@@ -46,6 +47,7 @@ export class Gestures {
     frame.addEventListener("pointerleave", () => this.readout.point(null));
     frame.addEventListener("wheel", (event) => this.onWheel(event), { passive: false });
     frame.addEventListener("keydown", (event) => this.onKey(event));
+    element("frame-all").addEventListener("click", () => void this.frameAll());
     frame.addEventListener("contextmenu", (event) => {
       if (this.tool !== "inspect") event.preventDefault();
     });
@@ -82,6 +84,7 @@ export class Gestures {
     this.pointers.set(event.pointerId, now);
     if (this.start && Math.hypot(now.x - this.start.x, now.y - this.start.y) > STEADY) this.hasMoved = true;
     if (!this.hasMoved) return;
+    this.readout.follow(this.picture.pixelAt(now.x, now.y));
     const by = { x: now.x - before.x, y: now.y - before.y };
     const other = others[0];
     if (this.tool === "inspect") {
@@ -128,12 +131,15 @@ export class Gestures {
     };
     const arrow = arrows[event.key];
     const zoom = { "+": 1, "=": 1, "-": -1 }[event.key];
+    const tool = { i: "inspect", c: "camera", m: "move" }[event.key];
     if (arrow) this.onArrow(arrow, event.shiftKey);
     else if (zoom && this.tool === "camera") {
       this.dolly(zoom * 0.1);
       this.writeSoon();
     } else if (zoom) this.picture.zoomBy(zoom);
     else if (event.key === "0") this.picture.zoomTo(0);
+    else if (tool) document.querySelector<HTMLInputElement>(`input[name=tool][value=${tool}]`)!.checked = true;
+    else if (event.key === "f") void this.frameAll();
     else if (event.key === "w") void this.readout.why();
     else if (event.key === "Enter") void this.select(this.readout.pixel, true);
     else return;
@@ -187,11 +193,17 @@ export class Gestures {
     });
   }
 
+  /** Moves the camera that is shown, or another one, until everything is in the picture. */
+  async frameAll(camera?: string): Promise<void> {
+    await this.ask({ frame_all: true }, "input.frame", camera);
+  }
+
   /** Asks for edits and applies them. */
-  private async ask(what: object, userEvent: string): Promise<boolean> {
+  private async ask(what: object, userEvent: string, named?: string): Promise<boolean> {
     const editor = this.editor();
     if (!editor) return false;
-    const { camera, frame } = this.picture.view;
+    const { frame } = this.picture.view;
+    const camera = named ?? this.picture.view.camera;
     for (let attempt = 0; ; attempt += 1) {
       const version = await editor.sync.settled();
       try {
@@ -237,6 +249,9 @@ export class Gestures {
     const pixel: Pixel | null = await this.readout.ask(at).catch(() => null);
     this.selected = pixel?.geometry?.path ?? null;
     const span = pixel?.geometry;
-    if (isJump && span?.from && span.to) this.editor()?.jump({ from: span.from, to: span.to }, true);
+    if (!isJump || !span) return;
+    if (span.from && span.to) this.editor()?.jump({ from: span.from, to: span.to }, true);
+    // All rows of a table have the same place in the text.
+    this.onFound(span.row === null ? span.path : `${span.path} row ${span.row}`);
   }
 }

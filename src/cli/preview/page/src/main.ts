@@ -33,12 +33,20 @@ const readout = new Readout(picture);
 const timeline = new Timeline(picture);
 const compare = new Compare(picture);
 const file = new FileOnDisk(() => editor, tell);
-new Gestures(picture, readout, () => editor, tell);
+const gestures = new Gestures(picture, readout, () => editor, outlineOf, tell);
+
+/** The geometry that was found in the picture; null for the one at the cursor. */
+let found: string | null = null;
+function outlineOf(geometry: string): void {
+  found = geometry;
+  onPlace();
+}
 
 const outline = new Latest<null>(async () => {
   const image = element<HTMLImageElement>("outline");
   if (!editor || editor.sync.current !== last?.checked || last?.is_broken) return;
-  const response = await get("/outline", { ...picture.query(), ...editor.cursor }).catch(() => null);
+  const place = found === null ? editor.cursor : { geometry: found };
+  const response = await get("/outline", { ...picture.query(), ...place }).catch(() => null);
   if (response?.status === 200) {
     await showImage(image, await response.blob());
   }
@@ -46,14 +54,19 @@ const outline = new Latest<null>(async () => {
   image.hidden = response?.status !== 200;
 });
 
-let cursorTimer: ReturnType<typeof setTimeout> | undefined;
 function onCursor(): void {
+  found = null;
+  onPlace();
+}
+
+let cursorTimer: ReturnType<typeof setTimeout> | undefined;
+function onPlace(): void {
   clearTimeout(cursorTimer);
   cursorTimer = setTimeout(() => outline.push(null), 50);
 }
 
 function onDrawn(): void {
-  onCursor();
+  onPlace();
   readout.refresh();
   void compare.update();
 }
@@ -66,6 +79,11 @@ function applyFix(edits: Edit[]): void {
   if (editor?.sync.current === last?.checked) editor?.apply(edits, "input.fix");
 }
 
+/** The name of the camera at a path of the scene; empty for the one without a name. */
+function cameraAt(path: string): string {
+  return last?.scene?.cameras.find((name) => path === `cameras[${JSON.stringify(name)}]`) ?? "";
+}
+
 function onState(state: State): void {
   const isFirst = editor === null;
   editor ??= new Editor(element("source"), state.syntax, onCursor, onSettled, () => void file.save());
@@ -74,7 +92,11 @@ function onState(state: State): void {
   element("file").textContent = state.file;
   editor.sync.onVersion(state.version);
   editor.show(state);
-  showProblems(state, (span) => (editor?.jump(span, false), editor?.view.focus()), applyFix);
+  showProblems(state, {
+    jump: (span) => (editor?.jump(span, false), editor?.view.focus()),
+    fix: applyFix,
+    frame: (path) => void gestures.frameAll(cameraAt(path)),
+  });
   file.update(state);
   if (state.scene) updateChoices(state.scene, isFirst);
   timeline.update(state.scene);
@@ -142,6 +164,11 @@ function followControls(): void {
   choices(element<HTMLSelectElement>("zoom"), zooms, "0");
   element("zoom").addEventListener("change", (event) => {
     picture.zoomTo(Number((event.target as HTMLSelectElement).value));
+  });
+  const keys = element<HTMLDialogElement>("keys-dialog");
+  element("show-keys").addEventListener("click", () => keys.showModal());
+  element("frame").addEventListener("keydown", (event) => {
+    if (event.key === "?") keys.showModal();
   });
   element("undo").addEventListener("click", () => editor?.undo());
   element("redo").addEventListener("click", () => editor?.redo());

@@ -5,6 +5,8 @@ import { element, Latest, showImage } from "./page.ts";
 
 /** The time in milliseconds above which a coarse picture comes first. */
 const SLOW = 80;
+/** The time in milliseconds after the last change of a broken text that makes the picture a stale one. */
+const PAUSE = 500;
 /** The factors of the zoom; 0 fits the picture into its frame. */
 export const ZOOMS = [0, 1, 2, 4, 8, 16, 32];
 
@@ -32,6 +34,8 @@ export class Picture {
   private isBroken = false;
   private revision = 0;
   private abort = new AbortController();
+  private isDrawing = false;
+  private staleTimer: ReturnType<typeof setTimeout> | undefined;
   private duration = Infinity;
   private readonly moving = new Latest<Motion>((motion) => this.drawMoving(motion));
   private readonly frame = element("frame");
@@ -55,7 +59,7 @@ export class Picture {
     element("placeholder").hidden = scene !== null;
     this.canvas.hidden = scene === null;
     if (isNew && scene) void this.draw();
-    else if (hasGrown || wasBroken !== isBroken) this.setState(isBroken ? "broken" : "drawn");
+    else if (hasGrown || wasBroken !== isBroken) this.setState();
   }
 
   /** The query of the view. */
@@ -71,16 +75,20 @@ export class Picture {
     };
   }
 
-  /** Draws the view: coarse at first if it may take long, then with one sample, then whole. */
+  /**
+   * Draws the view: with one sample at first if it may take long, then whole. The last picture stays until
+   * then; only where there is none, a coarse one comes first.
+   */
   async draw(): Promise<void> {
     const { scene } = this;
     if (!scene) return;
     this.abort.abort();
     this.abort = new AbortController();
     const { signal } = this.abort;
-    this.setState(this.isBroken ? "broken" : "drawing");
+    this.isDrawing = true;
+    this.setState();
     const steps = [
-      ...(this.duration > SLOW ? ["coarse"] : []),
+      ...(this.image.hasAttribute("src") ? [] : ["coarse"]),
       ...((this.view.samples ?? scene.samples) > 1 && this.duration > SLOW ? ["single"] : []),
       "full",
     ];
@@ -94,7 +102,9 @@ export class Picture {
         if (quality === "full") this.finish(blob, performance.now() - start);
       }
     } catch (error) {
+      // A scene that has changed meanwhile is drawn again.
       if (signal.aborted || (error instanceof Refused && error.status === 410)) return;
+      this.isDrawing = false;
       this.onFailure(error instanceof Error ? error.message : String(error));
     }
   }
@@ -112,7 +122,8 @@ export class Picture {
     link.removeAttribute("aria-disabled");
     const camera = this.view.camera ? `, camera ${this.view.camera}` : "";
     this.image.alt = `${this.file}, ${scene?.width} by ${scene?.height} pixels${camera}`;
-    this.setState(this.isBroken ? "broken" : "drawn");
+    this.isDrawing = false;
+    this.setState();
     this.onDrawn();
   }
 
@@ -120,7 +131,8 @@ export class Picture {
   move(motion: Motion): void {
     this.motion = motion;
     element("outline").hidden = true;
-    this.setState(this.isBroken ? "broken" : "drawing");
+    this.isDrawing = true;
+    this.setState();
     this.moving.push(motion);
   }
 
@@ -138,9 +150,14 @@ export class Picture {
     this.motion = STILL;
   }
 
-  private setState(state: "drawing" | "drawn" | "broken"): void {
-    document.body.dataset["revision"] = String(this.revision);
-    document.body.dataset["state"] = state;
+  private setState(): void {
+    const { dataset } = document.body;
+    dataset["revision"] = String(this.revision);
+    dataset["state"] = this.isBroken ? "broken" : this.isDrawing ? "drawing" : "drawn";
+    // Each key of a word makes the text broken or whole; that the picture is an old one matters after it.
+    clearTimeout(this.staleTimer);
+    if (!this.isBroken) delete dataset["stale"];
+    else this.staleTimer = setTimeout(() => (dataset["stale"] = ""), PAUSE);
   }
 
   /** Sizes the picture: whole factors of pixels, or as large as fits. */
@@ -157,7 +174,7 @@ export class Picture {
     const { style, dataset } = this.canvas;
     style.setProperty("--width", length(scene.width));
     style.setProperty("--height", length(scene.height));
-    dataset["scale"] = scale * devicePixelRatio < 1 ? "smaller" : "larger";
+    dataset["scale"] = this.zoom === 0 ? "smooth" : "exact";
   }
 
   /** Zooms, and keeps a point of the window where it is. */

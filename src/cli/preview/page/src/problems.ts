@@ -10,7 +10,14 @@ function plural(count: number, noun: string): string {
 /** The list that is shown, as text: it is not built again, or a button would lose the focus. */
 let shown = "";
 
-export function showProblems(state: State, jump: (span: Span) => void, fix: (edits: Edit[]) => void): void {
+export interface Hand {
+  jump(span: Span): void;
+  fix(edits: Edit[]): void;
+  /** Moves the camera at a path until everything is in the picture. */
+  frame(path: string): void;
+}
+
+export function showProblems(state: State, hand: Hand): void {
   const count = (severity: string): number =>
     state.diagnostics.filter((finding) => finding.severity === severity).length;
   const [errors, warnings] = [count("error"), count("warning")];
@@ -23,10 +30,10 @@ export function showProblems(state: State, jump: (span: Span) => void, fix: (edi
   const list = JSON.stringify(state.diagnostics);
   if (list === shown) return;
   shown = list;
-  element("diagnostics").replaceChildren(...state.diagnostics.map((finding) => entry(finding, jump, fix)));
+  element("diagnostics").replaceChildren(...state.diagnostics.map((finding) => entry(finding, hand)));
 }
 
-function entry(finding: Finding, jump: (span: Span) => void, fix: (edits: Edit[]) => void): HTMLElement {
+function entry(finding: Finding, hand: Hand): HTMLElement {
   const item = document.createElement("li");
   item.className = finding.severity;
   item.dataset["code"] = finding.code;
@@ -40,7 +47,7 @@ function entry(finding: Finding, jump: (span: Span) => void, fix: (edits: Edit[]
   const message = document.createElement("span");
   message.textContent = ` ${finding.message}`;
   go.append(place, message);
-  go.addEventListener("click", () => jump(finding));
+  go.addEventListener("click", () => hand.jump(finding));
   item.append(go);
   if (finding.help) {
     const help = document.createElement("p");
@@ -49,14 +56,17 @@ function entry(finding: Finding, jump: (span: Span) => void, fix: (edits: Edit[]
     item.append(help);
   }
   const edits = finding.fix?.edits;
-  if (edits) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.className = "fix";
-    button.textContent = "Fix";
-    button.setAttribute("aria-label", `Fix: ${finding.message}`);
-    button.addEventListener("click", () => fix(edits));
-    item.append(button);
-  }
+  if (edits) item.append(button("Fix", finding, () => hand.fix(edits)));
+  else if (finding.code === "nothing-visible") item.append(button("Frame all", finding, () => hand.frame(finding.path)));
   return item;
+}
+
+function button(name: string, finding: Finding, onClick: () => void): HTMLElement {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "fix";
+  button.textContent = name;
+  button.setAttribute("aria-label", `${name}: ${finding.message}`);
+  button.addEventListener("click", onClick);
+  return button;
 }

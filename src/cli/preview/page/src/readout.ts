@@ -12,10 +12,14 @@ function vector(values: [number, number, number]): string {
   return `(${values.map(number).join(", ")})`;
 }
 
-/** Four lines at most, so that the picture above stays where it is. */
-function describe(pixel: Pixel): string {
+/**
+ * Four lines at most, so that the picture above stays where it is. Rows are counted as in the equations of
+ * cameras, and by `strahl pixel`.
+ */
+function describe(pixel: Pixel, height: number): string {
   const hex = pixel.byte.map((byte) => byte.toString(16).padStart(2, "0")).join("");
-  const color = `pixel ${pixel.x}, ${pixel.y} · #${hex} (${pixel.byte.join(", ")})`;
+  const place = `pixel ${pixel.x}, ${height - 1 - pixel.y} (y from the bottom)`;
+  const color = `${place} · #${hex} (${pixel.byte.join(", ")})`;
   const seen = pixel.geometry;
   if (!seen) return `${color}\nbackground`;
   const row = seen.row === null ? "" : ` row ${seen.row}`;
@@ -23,9 +27,14 @@ function describe(pixel: Pixel): string {
   return [
     color,
     `${seen.kind} ${seen.path}${row}${name} · depth ${number(seen.depth)}`,
-    `position ${vector(seen.position)}`,
-    `normal ${vector(seen.normal)}`,
+    `position ${vector(seen.position)} · normal ${vector(seen.normal)}`,
+    ...(seen.columns.length > 0 ? [seen.columns.map(([name, value]) => `${name} ${cell(value)}`).join(", ")] : []),
   ].join("\n");
+}
+
+/** NaN and infinite values have no form in JSON. */
+function cell(value: number | null): string {
+  return value === null ? "–" : number(value);
 }
 
 interface At {
@@ -49,11 +58,16 @@ export class Readout {
     });
   }
 
-  /** Reads the pixel under the mouse; without one, that of the cross hair again. */
+  /** Reads the pixel under the mouse; without one, that of the cross hair again, or else the last one. */
   point(at: At | null): void {
-    this.hovered = at;
+    if (at || this.pinned) this.hovered = at;
     this.out.setAttribute("aria-live", "off");
     this.refresh();
+  }
+
+  /** Takes notice of the mouse while it drags: the next picture is read there. */
+  follow(at: At | null): void {
+    if (at) this.hovered = at;
   }
 
   /** Puts the cross hair on a pixel. */
@@ -82,7 +96,9 @@ export class Readout {
   refresh(): void {
     const { scene } = this.picture;
     const { pinned } = this;
-    if (scene && pinned && (pinned.x >= scene.width || pinned.y >= scene.height)) this.pinned = null;
+    const isOutside = (at: At | null): boolean => at !== null && scene !== null && (at.x >= scene.width || at.y >= scene.height);
+    if (isOutside(pinned)) this.pinned = null;
+    if (isOutside(this.hovered)) this.hovered = null;
     this.cross.hidden = this.pinned === null;
     const at = this.hovered ?? this.pinned;
     element<HTMLButtonElement>("why").disabled = at === null;
@@ -94,7 +110,8 @@ export class Readout {
   }
 
   private async read(at: At): Promise<void> {
-    this.out.textContent = describe(await this.ask(at));
+    const pixel = await this.ask(at);
+    this.out.textContent = describe(pixel, this.picture.scene?.height ?? 0);
   }
 
   /** What a pixel shows. */
