@@ -226,7 +226,7 @@ fn a_telephone_shows_the_picture_above_the_diagnostics(browser: &Browser) {
     let page = Page::of(browser, EVERYTHING);
     let broken = EVERYTHING.replace("radius: 2, color", "raduis: 2, color");
     page.and_reach("broken", || page.preview.write(&broken));
-    for css in ["#picture", "#save", "#count", "#diagnostics .problem"] {
+    for css in ["#picture", "#save", "#count", "#diagnostics .place"] {
         let [_, top, _, height] = page.rectangle(css);
         assert!(
             top >= 0.0 && top + height <= 740.0,

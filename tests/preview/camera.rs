@@ -215,7 +215,7 @@ fn the_pixel_is_read_again_after_a_movement(browser: &Browser) {
     // The camera comes nearer, and the sphere with it.
     let at = page.at((14, 24));
     page.point(at);
-    page.wait("readout.textContent.includes('background')");
+    page.wait("readout.textContent.includes('geometries[2]')");
     page.and_draw(|| {
         for _ in 0..10 {
             page.wheel(at, -100);
@@ -254,7 +254,7 @@ fn everything_is_framed(browser: &Browser) {
     for how in ["#frame-all", ""] {
         page.click("#save");
         page.wait("saved.textContent === ''");
-        let far = page.source().replace("eye: (0", "eye: (99");
+        let far = SCENE.replace("eye: (0, 0", "eye: (0, 99");
         page.and_draw(|| page.preview.write(&far));
         page.and_draw(|| match how {
             "" => {
@@ -268,5 +268,5 @@ fn everything_is_framed(browser: &Browser) {
     }
     // Undone in one step.
     page.and_draw(|| page.click("#undo"));
-    assert!(page.source().contains("eye: (99"));
+    assert!(page.source().contains("eye: (0, 99"));
 }

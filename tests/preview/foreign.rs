@@ -112,6 +112,9 @@ fn a_page_of_another_origin_gets_nothing(browser: &Browser) {
             assert!(is_kept, "{host} {name}: {result}");
         }
     }
+    // The console of that page has it all.
+    browser.open("about:blank");
+    assert!(!browser.console_errors().is_empty());
     // Nothing has been changed, and the page itself still works.
     assert_eq!(preview.on_disk(), SCENE);
     let page = Page::open(browser, preview);

@@ -257,6 +257,11 @@ fn the_picture_is_downloaded(browser: &Browser) {
         image.src = download.href;";
     // A fetch of its own picture is outside of the policy of the page; showing it is not.
     let _ = page.call_async(script, &[]);
+    assert!(
+        page.console_errors()
+            .iter()
+            .all(|error| error.contains("blob:"))
+    );
     let folder = page.preview.folder().join("downloads");
     page.dev_tools(
         "Browser.setDownloadBehavior",
