@@ -6,9 +6,10 @@ use std::str;
 use crate::{
     compare::{
         limit::{PictureOptions, broken},
-        picture::{Picture, Samples, check_memory},
+        picture::{Picture, Samples},
     },
     diagnostic::error::Error,
+    image_file::check_memory,
 };
 
 pub(super) fn is_pfm(file: &[u8]) -> bool {

@@ -14,7 +14,7 @@ use crate::{
     },
     diagnostic::error::{Error, ErrorKind},
     film::size::Size,
-    image_file::format::is_decoded,
+    image_file::{check_memory, format::is_decoded},
 };
 
 /// A picture with the samples of its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY
@@ -131,6 +131,7 @@ impl Picture {
         let first = all
             .first()
             .ok_or_else(|| Error::new(ErrorKind::Unreadable, "the file has no arrays"))?;
+        check_memory(first.size, first.size.pixels())?;
         let black = vec![0; usize::try_from(first.size.pixels()).unwrap_or(usize::MAX)];
         let picture = Self::new(first.size, 1, Samples::Bytes(black), false)?;
         let mut picture = picture.with_layers(all);
@@ -241,15 +242,6 @@ fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>,
 }
 
 const END_OF_JPEG: [u8; 2] = [0xff, 0xd9];
-
-/// Rejects sizes from a broken header before a failed allocation ends the program.
-pub(super) fn check_memory(size: Size, bytes: u64) -> Result<(), Error> {
-    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|error| {
-        let message = format!("a picture of {size} does not fit into memory");
-        Error::new(ErrorKind::Unavailable, message).caused_by(error)
-    })
-}
 
 fn samples(image: DynamicImage) -> (usize, Samples) {
     match image {

@@ -264,9 +264,24 @@ pub(crate) fn buffer(size: Size, pixel: usize) -> Result<Vec<u8>, Error> {
     let mut pixels = Vec::new();
     let bytes = size.pixels().saturating_mul(pixel as u64);
     let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
-    pixels.try_reserve_exact(bytes).map_err(|error| {
-        let message = format!("a picture of {size} does not fit into memory");
-        Error::new(ErrorKind::Unavailable, message).caused_by(error)
-    })?;
+    let reserved = pixels.try_reserve_exact(bytes);
+    reserved.map_err(|error| too_large(size).caused_by(error))?;
     Ok(pixels)
+}
+
+/// Checks that a picture that needs this many bytes fits into memory: a failed allocation would end
+/// the program.
+///
+/// # Errors
+///
+/// Too little memory ([`ErrorKind::Unavailable`]).
+pub(crate) fn check_memory(size: Size, bytes: u64) -> Result<(), Error> {
+    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
+    let reserved = Vec::<u8>::new().try_reserve_exact(bytes);
+    reserved.map_err(|error| too_large(size).caused_by(error))
+}
+
+fn too_large(size: Size) -> Error {
+    let message = format!("a picture of {size} does not fit into memory");
+    Error::new(ErrorKind::Unavailable, message)
 }

@@ -9,6 +9,7 @@ use std::{
     fmt, fs, io, iter,
     num::NonZero,
     path::{Path, PathBuf},
+    process,
     sync::{
         Arc, Mutex, MutexGuard, OnceLock, PoisonError,
         atomic::{AtomicBool, Ordering},
@@ -56,14 +57,9 @@ impl Pool {
     }
 
     fn of_process() -> Self {
-        static PROCESS: OnceLock<Option<ThreadPool>> = OnceLock::new();
-        let pool = PROCESS.get_or_init(|| {
-            let pool = start(cores())?;
-            let core = Core::of_this_thread();
-            pool.broadcast(|all| core.leave(all.num_threads()));
-            Some(pool)
-        });
-        pool.as_ref().map_or(Self::Calling, Self::Process)
+        static SHARED: Shared = Shared(Mutex::new(None));
+        let pool = SHARED.of(process::id());
+        pool.map_or(Self::Calling, Self::Process)
     }
 
     /// Returns the number of threads.
@@ -117,6 +113,29 @@ impl Pool {
         let (queue, make) = (Queue::new(items, ahead, threads), &make);
         let others = others.min(threads - 1);
         pool.in_place_scope(|scope| queue.run(scope, others, make, take))
+    }
+}
+
+/// The pool of a process, with the id of the process. A forked child has a copy of it, but none of its
+/// threads, and would wait for them forever: it starts its own.
+struct Shared(Mutex<Option<(u32, Option<&'static ThreadPool>)>>);
+
+impl Shared {
+    /// Returns the pool of the process with this id, which is that of the caller; `None` if the system
+    /// allows no threads.
+    fn of(&self, process: u32) -> Option<&'static ThreadPool> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, pool)) = known.filter(|(owner, _)| *owner == process) {
+            return pool;
+        }
+        let pool = start(cores()).map(|pool| {
+            let core = Core::of_this_thread();
+            pool.broadcast(|all| core.leave(all.num_threads()));
+            // That of a parent cannot be dropped: it would wait for its threads.
+            &*Box::leak(Box::new(pool))
+        });
+        *known = Some((process, pool));
+        pool
     }
 }
 
@@ -314,6 +333,7 @@ pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
 mod tests {
     use std::{
         panic::{self, AssertUnwindSafe},
+        ptr,
         sync::atomic::AtomicUsize,
         thread,
         time::Duration,
@@ -353,6 +373,16 @@ mod tests {
         for threads in [1, 2, 5] {
             assert_eq!(Pool::new(Some(threads)).threads(), threads);
         }
+    }
+
+    #[test]
+    fn a_forked_process_starts_threads_of_its_own() {
+        let shared = Shared(Mutex::new(None));
+        let [parent, again, child, later] = [1, 1, 2, 2].map(|id| shared.of(id).unwrap());
+        assert!(ptr::eq(parent, again) && ptr::eq(child, later));
+        assert!(!ptr::eq(parent, child));
+        let sums = [parent, child].map(|pool| Pool::Process(pool).map(0..99, |item| item));
+        assert!(sums.iter().all(|items| items.iter().sum::<u32>() == 4851));
     }
 
     #[test]

@@ -163,7 +163,7 @@ impl Scene {
             .map(ImageModel::tone)
             .unwrap_or_default();
         let outlines = model.outlines.as_ref().map(OutlinesModel::build);
-        let framing = framing(&self.world, Some(moving), &self.known);
+        let framing = framing(&self.world, Some(moving), &self.known, None);
         let mut cameras = Cameras::of(&model, &framing, number, &self.file)?;
         if let Some(index) = self.cameras.index {
             cameras.choose(index);
@@ -171,7 +171,7 @@ impl Scene {
         let (mut world, mut world_hash) = (Arc::clone(&self.world), Arc::clone(&self.world_hash));
         let mut scales = Arc::clone(&self.scales);
         if moving.frames.move_the_world() {
-            let built = build::world(model, tables);
+            let built = build::world(model, tables, None);
             let moved: Built = built.map_err(|error| refused(&self.file, &error))?;
             (world, world_hash) = (Arc::new(moved.world), Arc::default());
             scales = Arc::new(moved.scales);

@@ -22,7 +22,10 @@ use glam::DVec3;
 use crate::{
     diagnostic::{Diagnostic, error::Error},
     film::{Outlines, samples::Samples, size::Size},
-    parallel::timings::{Stage, Timings},
+    parallel::{
+        Cancel,
+        timings::{Stage, Timings},
+    },
     render::explained::{ExplainedPixel, View},
     scene::{
         build::{self, Built},
@@ -157,7 +160,7 @@ impl Scene {
         let Some(fit) = fit.as_ref().filter(|_| size != self.size) else {
             return Ok(*camera);
         };
-        let framing = framing(&self.world, self.moving.as_deref(), &self.known);
+        let framing = framing(&self.world, self.moving.as_deref(), &self.known, None);
         let camera = CameraModel::Fit(fit.clone());
         let camera = framing.build(&camera, (size.width(), size.height()), self.frame);
         camera.map_err(|error| refused(&self.file, &error))
@@ -186,7 +189,7 @@ impl Scene {
             projection: Some(projection),
             margin: None,
         };
-        let framing = framing(&self.world, self.moving.as_deref(), &self.known);
+        let framing = framing(&self.world, self.moving.as_deref(), &self.known, None);
         let camera = framing.explicit(&fit, size);
         let camera = camera.and_then(|camera| camera.build());
         camera.map_err(|error| refused(&self.file, &error))
@@ -455,6 +458,8 @@ impl TryFrom<Document> for Scene {
         let name = document.name().to_owned();
         let timings = document.timings().clone();
         let source = Arc::clone(document.source());
+        let cancel = document.canceller().cloned();
+        let cancel = cancel.as_ref();
         let (mut model, mut tables, warnings) = document.into_parts()?;
         // Validation found no errors, so none of these calls fails.
         let moving = Moving::of(&model, &tables).map(Arc::new);
@@ -477,15 +482,18 @@ impl TryFrom<Document> for Scene {
             ..Model::default()
         };
         let watch = timings.watch();
-        let built = watch.time(Stage::Build, || build::world(model, tables));
+        let built = watch.time(Stage::Build, || build::world(model, tables, cancel));
+        cancel.map_or(Ok(()), Cancel::check)?;
         let Built {
             world,
             origins,
             scales,
         } = built.map_err(|error| refused(&file, &error))?;
         let known = Arc::default();
-        let framing = framing(&world, moving.as_deref(), &known);
-        let cameras = Cameras::of(&seen, &framing, 0, &file)?;
+        let framing = framing(&world, moving.as_deref(), &known, cancel);
+        let cameras = Cameras::of(&seen, &framing, 0, &file);
+        cancel.map_or(Ok(()), Cancel::check)?;
+        let cameras = cameras?;
         Ok(Self {
             cameras,
             world: world.into(),
@@ -508,13 +516,19 @@ impl TryFrom<Document> for Scene {
 }
 
 /// Returns what the cameras of a scene frame.
-fn framing<'a>(world: &'a World, moving: Option<&'a Moving>, known: &'a Known) -> Framing<'a> {
+fn framing<'a>(
+    world: &'a World,
+    moving: Option<&'a Moving>,
+    known: &'a Known,
+    cancel: Option<&'a Cancel>,
+) -> Framing<'a> {
     Framing {
         subject: moving
             .and_then(Moving::subject)
             .unwrap_or(Subject::World(world)),
         frames: moving.map(Moving::frames),
         known,
+        cancel,
     }
 }
 

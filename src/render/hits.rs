@@ -34,6 +34,9 @@ impl Hits {
         let Self { mut ids, mut t, .. } = others;
         ids.clear();
         t.clear();
+        let count = columns.len() * rows.len();
+        ids.reserve_exact(count);
+        t.reserve_exact(count);
         let work = Work {
             centers: Centers::Hits,
             progress: None,
@@ -75,10 +78,13 @@ impl Hits {
         let places = (0..self.rows.len())
             .flat_map(|row| (0..self.columns.len()).map(move |column| (column, row)));
         let hits = self.ids.iter().zip(&self.t);
-        let values = places
-            .zip(hits)
-            .map(|((column, row), (id, t))| value(rays.ray(column, row), *id, *t));
-        values.collect()
+        let mut values = Vec::with_capacity(self.ids.len());
+        values.extend(
+            places
+                .zip(hits)
+                .map(|((column, row), (id, t))| value(rays.ray(column, row), *id, *t)),
+        );
+        values
     }
 
     /// Returns the geometry that all samples of a pixel hit, by pixels; `None` if they differ.

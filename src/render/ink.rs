@@ -28,6 +28,20 @@ pub(super) struct Ink<'a> {
 }
 
 impl<'a> Ink<'a> {
+    /// Returns the number of bytes that the outlines of a rectangle of samples take, with the hits
+    /// of the samples.
+    pub(super) fn bytes(outlines: &Outlines, samples: u64, side: u32) -> u64 {
+        let normal = match outlines.creases {
+            Some(_) => size_of::<DVec3>(),
+            None => 0,
+        };
+        let of_sample = size_of::<u32>() + size_of::<f64>() + normal;
+        let reach = (outlines.width * f64::from(side)).ceil() as u64;
+        // The list grows by doubling.
+        let near = 2 * (2 * reach).pow(2) * size_of::<[i64; 2]>() as u64;
+        (samples * of_sample as u64).saturating_add(near)
+    }
+
     pub(super) fn new(
         outlines: Outlines,
         world: &World,

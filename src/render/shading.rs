@@ -19,6 +19,7 @@ use crate::{
         Centers, Film, Lit, LitPixel, Outlines, Piece, Wanted, colors::NOTHING, crop::Crop,
         samples::Samples, size::Size,
     },
+    image_file::check_memory,
     integrator::{
         batch::{Cache, Encode, Others, Row, ShadeRow},
         direct::{Direct, Path, Queries, Shaded},
@@ -184,6 +185,12 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let memory = || spare().pop().unwrap_or_default();
         let [fine_columns, fine_rows] = self.samples_around(&columns, &rows);
         let fine = (fine_columns, fine_rows);
+        if let Some(outlines) = &self.outlines {
+            // Wide lines of many samples depend on very many others.
+            let samples = fine.0.len() as u64 * fine.1.len() as u64;
+            let bytes = Ink::bytes(outlines, samples, self.samples.side());
+            check_memory(self.size, bytes)?;
+        }
         let hits = Hits::new(state.search, slab, fine, work, memory())?;
         let needs_centers = work.centers != Centers::Unneeded && self.samples != Samples::ONE;
         let centers = needs_centers

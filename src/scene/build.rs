@@ -3,6 +3,7 @@
 use std::{collections::HashMap, ops::Range, sync::Arc};
 
 use crate::{
+    parallel::Cancel,
     scene::{
         format::{
             color::ColorModel,
@@ -31,8 +32,12 @@ use crate::{
 };
 
 /// Builds the world of a scene. The names and origins of the geometries are returned apart, and so are
-/// the values that determine colors.
-pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError> {
+/// the values that determine colors. Once cancelled, the world lacks some geometries.
+pub(crate) fn world(
+    model: Model,
+    tables: Tables,
+    cancel: Option<&Cancel>,
+) -> Result<Built, GeometryError> {
     let background = model
         .background
         .as_ref()
@@ -43,7 +48,7 @@ pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError
         geometries,
         origins,
         scales,
-    } = geometries(model.geometries, &materials, tables)?;
+    } = geometries(model.geometries, &materials, tables, cancel)?;
     let world = World::new(geometries, background);
     Ok(Built {
         world: match lighting {
@@ -72,11 +77,12 @@ pub(crate) struct BuiltList {
 /// Builds the geometries of a scene. Without tables, parts and groups this reuses the memory of the
 /// list: a million spheres are not held twice. The rows of a table, and the geometries of a part or
 /// a group, replace the geometry that names or holds them; each table is dropped once its rows are
-/// built.
+/// built. Once cancelled, it ends, and some geometries are missing.
 pub(crate) fn geometries(
     list: Vec<GeometryModel>,
     materials: &Materials,
     tables: Tables,
+    cancel: Option<&Cancel>,
 ) -> Result<BuiltList, GeometryError> {
     let mut origins = Origins::default();
     let mut several = Vec::new();
@@ -84,6 +90,7 @@ pub(crate) fn geometries(
     // The sizes are equal, so the elements are replaced in place.
     let geometries = list
         .into_iter()
+        .take_while(|_| !cancel.is_some_and(Cancel::is_cancelled))
         .enumerate()
         .filter_map(|(index, mut model)| {
             origins.add_name(index, model.take_name());
@@ -109,6 +116,7 @@ pub(crate) fn geometries(
         scales: Scales::default(),
         all: Vec::with_capacity(geometries.len() + of_files),
         ids: 0,
+        cancel,
     };
     let mut geometries = geometries.into_iter();
     let mut taken = 0;
@@ -184,6 +192,7 @@ fn prototype(model: &Model, tables: &Tables, at: Ordinal) -> Result<Vec<Geometry
         scales: Scales::default(),
         all: Vec::new(),
         ids: 0,
+        cancel: None,
     };
     let (origin, placement) = (Origin::default(), Placement::default());
     builder.content(geometry.clone(), &mut at.clone(), &origin, &placement)?;
@@ -199,6 +208,7 @@ struct Builder<'a> {
     all: Vec<Geometry>,
     /// The number of their ids.
     ids: usize,
+    cancel: Option<&'a Cancel>,
 }
 
 /// What a geometry that stands for several holds, and the indices of that in the world.
@@ -261,6 +271,9 @@ impl Builder<'_> {
         let first = self.ids;
         let mut origins = Origins::default();
         for (index, mut model) in group.geometries.into_iter().enumerate() {
+            if self.cancel.is_some_and(Cancel::is_cancelled) {
+                break;
+            }
             at.inner += 1;
             origins.add_name(index, model.take_name());
             match model.build(self.materials) {
@@ -298,6 +311,7 @@ impl Builder<'_> {
             scale.as_mut(),
             placement,
             &mut self.all,
+            self.cancel,
         )?;
         self.ids += table.rows();
         if let Some(scale) = scale {
@@ -328,6 +342,7 @@ fn rows(
     mut scale: Option<&mut Scale>,
     placement: &Placement,
     geometries: &mut Vec<Geometry>,
+    cancel: Option<&Cancel>,
 ) -> Result<(), GeometryError> {
     let of_row = |color: Color| match material {
         None => Material::Matte(color),
@@ -345,7 +360,7 @@ fn rows(
             Ok(shape) => geometries.push(Geometry::new(shape, of_row(color))),
             Err(error) => refused = Some(error),
         }
-        refused.is_some()
+        refused.is_some() || cancel.is_some_and(Cancel::is_cancelled)
     });
     refused.map_or(Ok(()), Err)
 }
@@ -371,7 +386,7 @@ mod tests {
             ..Model::default()
         };
         let before = model.geometries.as_ptr().addr();
-        let Built { world, origins, .. } = world(model, Tables::default()).unwrap();
+        let Built { world, origins, .. } = world(model, Tables::default(), None).unwrap();
         assert_eq!(world.geometries().len(), 9);
         assert_eq!(world.geometries().as_ptr().addr(), before);
         assert_eq!((origins.name(5), origins.name(4)), (Some("five"), None));

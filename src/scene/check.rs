@@ -165,6 +165,7 @@ impl Found {
             is_part: options.is_part
                 && (options.nest.is_some() || model.all_cameras().next().is_none()),
             files_have_errors: found.iter().any(Problem::is_error),
+            cancel: options.canceller(),
         };
         let (mut problems, tally) = validate::problems(&model, &tables, &aspects, stand_ins, most);
         problems.extend(found);

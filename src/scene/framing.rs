@@ -1,4 +1,5 @@
-//! What a `Fit` camera frames: every bounded geometry of a scene, in all its frames.
+//! What a `Fit` camera frames: every bounded geometry of a scene, in all its frames. Of the frames,
+//! those are looked at that matter.
 
 use std::{
     ops::Range,
@@ -8,6 +9,7 @@ use std::{
 use glam::DVec3;
 
 use crate::{
+    parallel::Cancel,
     scene::{
         animation::frames::Frames,
         build,
@@ -43,6 +45,8 @@ pub(crate) struct Framing<'a> {
     pub(crate) subject: Subject<'a>,
     pub(crate) frames: Option<&'a Frames>,
     pub(crate) known: &'a Known,
+    /// Ends the search. Its result is of no use then.
+    pub(crate) cancel: Option<&'a Cancel>,
 }
 
 /// The last results. They are the same for all frames of an animation that does not change the
@@ -99,21 +103,30 @@ impl Framing<'_> {
         }
         let mut content = Content::new(self);
         let found = fit.explicit(size, |directions| content.search(directions));
+        if self.is_cancelled() {
+            return Err(GeometryError::CannotFit);
+        }
         known.truncate(KEPT - 1);
         known.insert(0, (fit.clone(), size, found.clone()));
         found
+    }
+
+    /// Returns true if the search should end.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(Cancel::is_cancelled)
     }
 }
 
 /// All shapes that are framed.
 struct Content<'a> {
-    subject: Subject<'a>,
+    framing: Framing<'a>,
     turntable: Option<Turntable>,
     /// The geometries that move, with their frames and a copy of the scene to show them in.
     moving: Option<(&'a Frames, Vec<Ordinal>, Model)>,
     /// The tables, with the largest of the default radii that they ever have.
     tables: Option<Tables>,
-    count: usize,
+    /// The frames that are looked at.
+    numbers: Vec<u32>,
 }
 
 impl<'a> Content<'a> {
@@ -128,12 +141,16 @@ impl<'a> Content<'a> {
             }
             _ => None,
         };
+        let count = moving.as_ref().map_or(1, |(_, moved, _)| moved.len());
+        let nothing = Model::default();
+        let model = moving.as_ref().map_or(&nothing, |(.., model)| model);
+        let numbers = frames.map_or_else(|| vec![0], |frames| frames.places(model, count));
         let mut content = Self {
-            subject,
-            turntable: frames.and_then(Frames::turntable),
+            framing: *framing,
+            turntable: frames.and_then(|frames| frames.turntable(&numbers)),
             moving,
             tables: None,
-            count: frames.map_or(1, |frames| frames.count() as usize),
+            numbers,
         };
         content.tables = content.largest_tables();
         content
@@ -141,7 +158,7 @@ impl<'a> Content<'a> {
 
     /// Returns the tables with the largest of their default radii, if these change.
     fn largest_tables(&mut self) -> Option<Tables> {
-        let Subject::Scene(_, tables) = self.subject else {
+        let Subject::Scene(_, tables) = self.framing.subject else {
             return None;
         };
         let (frames, moved, shown) = self.moving.as_mut()?;
@@ -155,8 +172,11 @@ impl<'a> Content<'a> {
             return None;
         }
         let mut largest = vec![f64::NEG_INFINITY; changing.len()];
-        for number in 0..frames.count() {
-            frames.show(number, shown);
+        for number in &self.numbers {
+            if self.framing.is_cancelled() {
+                return None;
+            }
+            frames.show(*number, shown);
             for (largest, at) in largest.iter_mut().zip(&changing) {
                 *largest = largest.max(radius(shown, *at).unwrap_or(*largest));
             }
@@ -175,49 +195,199 @@ impl<'a> Content<'a> {
     fn search(&mut self, directions: &[DVec3]) -> Extremes {
         let mut extremes = Extremes::new(directions);
         let turntable = self.turntable.as_ref();
-        let mut add = |shape: &Shape, frames: Range<usize>| match turntable {
-            None => extremes.add(shape),
-            Some(turntable) => extremes.add_turned(shape, turntable, frames),
+        let framing = self.framing;
+        // Returns true if that is enough.
+        let mut add = |shape: &Shape, places: Range<usize>| {
+            match turntable {
+                None => extremes.add(shape),
+                Some(turntable) => extremes.add_turned(shape, turntable, places),
+            }
+            framing.is_cancelled()
         };
-        let always = 0..self.count;
-        match self.subject {
+        let always = 0..self.numbers.len();
+        match framing.subject {
             Subject::World(world) => {
-                for geometry in world.geometries() {
-                    add(geometry.shape(), always.clone());
-                }
+                let mut all = world.geometries().iter();
+                all.any(|geometry| add(geometry.shape(), always.clone()));
             }
             Subject::Scene(model, tables) => {
                 let tables = self.tables.as_ref().unwrap_or(tables);
                 let moved = self.moving.as_ref().map_or(&[][..], |(_, moved, _)| moved);
-                for leaf in model.leaves() {
-                    if moved.binary_search(&leaf.at).is_err() {
-                        tables.any_shape(&leaf, |shape| {
-                            add(shape, always.clone());
-                            false
-                        });
-                    }
-                }
+                let mut rest = model
+                    .leaves()
+                    .filter(|leaf| moved.binary_search(&leaf.at).is_err());
+                rest.any(|leaf| tables.any_shape(&leaf, |shape| add(shape, always.clone())));
             }
         }
         if let (Some((frames, moved, shown)), Subject::Scene(_, tables)) =
-            (&mut self.moving, self.subject)
+            (&mut self.moving, framing.subject)
         {
             let tables = self.tables.as_ref().unwrap_or(tables);
             let mut parts = tables.some_parts(moved);
-            for number in 0..frames.count() {
-                frames.show(number, shown);
+            for (place, number) in self.numbers.iter().enumerate() {
+                if framing.is_cancelled() {
+                    break;
+                }
+                frames.show(*number, shown);
                 // A part that a frame cannot place is an error of that frame.
                 let _ = parts.place(shown);
                 build::renew_copies(shown, &mut parts);
-                for leaf in moved.iter().filter_map(|at| shown.leaf(*at)) {
+                let mut leaves = moved.iter().filter_map(|at| shown.leaf(*at));
+                leaves.any(|leaf| {
                     let tables = if parts.has(leaf.at) { &parts } else { tables };
-                    tables.any_shape(&leaf, |shape| {
-                        add(shape, number as usize..number as usize + 1);
-                        false
-                    });
-                }
+                    tables.any_shape(&leaf, |shape| add(shape, place..place + 1))
+                });
             }
         }
         extremes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::tracer::random::{Rng, cases};
+
+    fn scene(geometries: &[serde_json::Value], animation: serde_json::Value) -> Model {
+        serde_json::from_value(json!({
+            "camera": {"Fit": {}},
+            "geometries": geometries,
+            "animation": animation,
+        }))
+        .unwrap()
+    }
+
+    fn framing<'a>(
+        model: &'a Model,
+        (tables, frames): (&'a Tables, &'a Frames),
+        known: &'a Known,
+        cancel: &'a Cancel,
+    ) -> Framing<'a> {
+        Framing {
+            subject: Subject::Scene(model, tables),
+            frames: Some(frames),
+            known,
+            cancel: Some(cancel),
+        }
+    }
+
+    /// Returns the number of frames that are looked at, and checks that all frames reach no farther.
+    fn looked_at(model: &Model, directions: &[DVec3]) -> usize {
+        let (tables, frames) = (Tables::default(), Frames::of(model).unwrap());
+        let (known, cancel) = (Known::default(), Cancel::new());
+        let framing = framing(model, (&tables, &frames), &known, &cancel);
+        let mut few = Content::new(&framing);
+        let mut all = Content::new(&framing);
+        all.numbers = (0..frames.count()).collect();
+        all.turntable = frames.turntable(&all.numbers);
+        let distances = |content: &mut Content| content.search(directions).distances();
+        for (few, all) in distances(&mut few).into_iter().zip(distances(&mut all)) {
+            assert!(
+                few <= all && all - few <= 1e-12 * all.abs().max(1.0),
+                "{few} of {all}"
+            );
+        }
+        few.numbers.len()
+    }
+
+    fn sphere() -> serde_json::Value {
+        json!({"Sphere": {"center": [0, 0, 0], "radius": 1, "color": "#f00"}})
+    }
+
+    #[test]
+    fn a_track_between_two_keys_needs_few_frames() {
+        let tracks: serde_json::Map<_, _> = (0..50)
+            .map(|index| {
+                let keys = json!([[0, 1], [1000, 2, "Smooth"]]);
+                (format!("geometries[{index}].radius"), keys)
+            })
+            .collect();
+        let balls = vec![sphere(); 50];
+        let model = scene(&balls, json!({"frames": 100_000, "tracks": tracks}));
+        assert!(looked_at(&model, &[DVec3::X]) < 20);
+        let turning = json!({"Group": {
+            "transform": {"rotate": {"axis": [0, 1, 0], "angle": 0}},
+            "geometries": balls,
+        }});
+        let tracks = json!({"geometries[0].transform.rotate.angle": [[0, 0], [4e4, 1e7]]});
+        let turning = scene(&[turning], json!({"frames": 1_000_000, "tracks": tracks}));
+        let frames = Frames::of(&turning).unwrap();
+        let count = frames.places(&turning, 50).len();
+        assert!((4_000..=6_000).contains(&count), "{count}");
+        let orbit = json!({"frames": 1_000_000, "orbit": {"around": [0, 0, 0]}});
+        let orbit = scene(&[sphere()], orbit);
+        let count = Frames::of(&orbit).unwrap().places(&orbit, 1).len();
+        assert!((10_000..=17_000).contains(&count), "{count}");
+    }
+
+    #[test]
+    fn the_frames_that_are_looked_at_hold_the_extremes() {
+        let mut rng = Rng(0x0f17_f17f);
+        for _ in 0..cases(300) {
+            let group = json!({"Group": {
+                "transform": {
+                    "scale": [1, 2, 3],
+                    "rotate": {"axis": [1, 2, 3], "angle": 20},
+                    "translate": [0, 0, 0],
+                },
+                "geometries": [sphere(), {"Box": {
+                    "min": [-1, -2, -3], "max": [1, 2, 3], "color": "#f00",
+                }}],
+            }});
+            let geometries = [sphere(), group, sphere()];
+            let mut tracks = serde_json::Map::new();
+            for (path, kind) in [
+                ("geometries[0].center", 3),
+                ("geometries[0].radius", 1),
+                ("geometries[1].transform.translate", 3),
+                ("geometries[1].transform.scale", 3),
+                ("geometries[1].transform.rotate.angle", 1),
+                ("geometries[1].geometries[0].center[1]", 1),
+                ("geometries[2].center[0]", 1),
+                ("geometries[2].center[2]", 1),
+            ] {
+                if rng.below(3) > 0 {
+                    continue;
+                }
+                let mut time = 0.0;
+                let keys = (0..1 + rng.below(4)).map(|_| {
+                    time += rng.magnitude(-2.0, 1.0);
+                    let mut number = || rng.magnitude(-1.0, 1.0);
+                    let value = match kind {
+                        1 => json!(number()),
+                        _ => json!([number(), number(), number()]),
+                    };
+                    let step = rng.one(&["Linear", "Smooth", "Step"]);
+                    json!([time, value, step])
+                });
+                let keys: Vec<_> = keys.collect();
+                tracks.insert(path.to_owned(), keys.into());
+            }
+            let mut animation = json!({"frames": 1 + rng.below(300), "fps": rng.one(&[5.0, 24.0])});
+            match tracks.is_empty() || rng.below(4) == 0 {
+                true => animation["orbit"] = json!({"around": [1, 0, 0], "turns": 1.3}),
+                false => animation["tracks"] = tracks.into(),
+            }
+            let model = scene(&geometries, animation);
+            let directions: Vec<_> = (0..9)
+                .map(|_| crate::tracer::vector::unit(rng.vector() + DVec3::splat(1e-3)))
+                .collect();
+            looked_at(&model, &directions);
+        }
+    }
+
+    #[test]
+    fn a_cancelled_search_ends_and_is_not_kept() {
+        let orbit = json!({"frames": 1_000_000, "orbit": {"around": [0, 0, 0]}});
+        let model = scene(&[sphere()], orbit);
+        let (tables, frames) = (Tables::default(), Frames::of(&model).unwrap());
+        let (known, cancel) = (Known::default(), Cancel::new());
+        cancel.cancel();
+        let framing = framing(&model, (&tables, &frames), &known, &cancel);
+        let camera = model.camera.as_ref().unwrap();
+        assert!(framing.build(camera, (100, 100), 0).is_err());
+        assert!(known.0.lock().unwrap().is_empty());
     }
 }

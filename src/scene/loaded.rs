@@ -42,7 +42,9 @@ impl Loaded {
             Some(found) if found.problems.is_empty() => FileText::default(),
             _ => {
                 let expected = length.map_or(0, |length| usize::try_from(length).unwrap_or(0));
-                watch.time(Stage::Read, || files::read_from(content, expected))?
+                watch.time(Stage::Read, || {
+                    files::read_from(options.until_cancelled(content), expected)
+                })?
             }
         };
         Ok(Self::from_text(text, found, syntax, options, watch))

@@ -69,7 +69,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             value: by.as_ref().map(|by| by.column.clone()),
         };
         if !known.contains_key(&wanted) {
-            match open(&place, files, &wanted) {
+            match open(&place, files, &wanted, options) {
                 Ok(found) => drop(known.insert(wanted.clone(), found)),
                 Err(problem) => {
                     problems.push(problem);
@@ -116,7 +116,12 @@ fn colorless(
     }
 }
 
-fn open(place: &Place, files: &Folder<'_>, wanted: &Wanted) -> Result<Found, Problem> {
+fn open(
+    place: &Place,
+    files: &Folder<'_>,
+    wanted: &Wanted,
+    options: &ReadOptions,
+) -> Result<Found, Problem> {
     let format = Format::of_name(place.file).ok_or_else(|| {
         let message = "the extension does not determine the format, expected .ply, .obj or .stl";
         place.problem(Code::InvalidMesh, message)
@@ -126,6 +131,7 @@ fn open(place: &Place, files: &Folder<'_>, wanted: &Wanted) -> Result<Found, Pro
         colors: wanted.colors,
         value: wanted.value.as_deref(),
     };
+    let file = options.until_cancelled(file);
     let read = MeshFile::read(file, length, format, &request);
     let mut found = read.map_err(|error| match error {
         ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),

@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     diagnostic::{Code, path::Path, plain},
-    parallel::timings::Timings,
+    parallel::{Cancel, timings::Timings},
     scene::{
         build::{self, BuiltList},
         check::Checked,
@@ -20,7 +20,7 @@ use crate::{
         },
         loaded::Loaded,
         options::ReadOptions,
-        part::{File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
+        part::{Copies, File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
         problem::{Focus, Problem},
         tables::{MOST, Tables},
     },
@@ -31,8 +31,12 @@ use crate::{
 /// The maximum number of parts inside one another.
 const DEEPEST: usize = 32;
 
-/// The maximum number of geometries that are copies, because a part is named again.
+/// The maximum number of geometries that are copies, because a part is named again, in all files
+/// together.
 const MOST_COPIES: usize = 1 << 22;
+
+/// The maximum number of such lights.
+const MOST_LIGHTS: usize = 1 << 16;
 
 /// Reads all parts of a scene into its tables, and returns their problems.
 pub(super) fn read(
@@ -47,9 +51,7 @@ pub(super) fn read(
         options,
         nest: options.nest.clone().unwrap_or_else(|| outermost(options)),
         needs: Needs::default(),
-        used: Vec::new(),
         total: model.leaves().count().saturating_add(rows),
-        copies: 0,
     };
     let mut problems = Vec::new();
     for (at, geometry) in model.walk() {
@@ -104,12 +106,8 @@ struct Reader<'a> {
     options: &'a ReadOptions,
     nest: Nest,
     needs: Needs,
-    /// The parts so far, each once.
-    used: Vec<Arc<Part>>,
     /// The number of geometries so far.
     total: usize,
-    /// Those of them that are copies.
-    copies: usize,
 }
 
 impl Reader<'_> {
@@ -137,7 +135,9 @@ impl Reader<'_> {
             self.leads_back(way);
             return Err(problem);
         }
-        let read = match self.nest.find(&file) {
+        let known = self.nest.find(&file);
+        let is_copy = known.is_some();
+        let read = match known {
             Some(read) => read,
             None if self.nest.way.len() > DEEPEST => return Err(place.too_deep()),
             None => {
@@ -160,7 +160,7 @@ impl Reader<'_> {
                 Err(place.too_deep())
             }
             (None, Some(part)) => {
-                self.count(part, place)?;
+                self.count(part, named.lights == Some(true), is_copy, place)?;
                 Ok(Arc::clone(part))
             }
             (None, None) => Err(place.broken(&read.findings)),
@@ -218,21 +218,28 @@ impl Reader<'_> {
         let loaded =
             loaded.map_err(|error| place.problem(Code::FileNotFound, files::cause(error)))?;
         let invalid = |error: GeometryError| place.problem(Code::InvalidPart, error.to_string());
-        part_file(&file.name, loaded).map_err(invalid)
+        part_file(&file.name, loaded, self.options.canceller()).map_err(invalid)
     }
 
-    /// Counts the geometries of a part.
-    fn count(&mut self, part: &Arc<Part>, place: &Place) -> Result<(), Problem> {
-        let count = part.geometries.len();
-        self.total = self.total.saturating_add(count);
-        if self.used.iter().any(|used| Arc::ptr_eq(used, part)) {
-            self.copies = self.copies.saturating_add(count);
-        } else {
-            self.used.push(Arc::clone(part));
-        }
+    /// Counts the geometries of a part, and its lights if they shine. Copies of copies would fill any
+    /// memory, so those of all files count together.
+    fn count(
+        &mut self,
+        part: &Part,
+        shines: bool,
+        is_copy: bool,
+        place: &Place,
+    ) -> Result<(), Problem> {
+        self.total = self.total.saturating_add(part.count());
+        let lights = part.lights.as_ref().filter(|_| shines).map_or(0, Vec::len);
+        let copies = match is_copy {
+            true => self.nest.add_copies(part.geometries.len(), lights),
+            false => Copies::default(),
+        };
         for (what, found, most) in [
             ("geometries", self.total, MOST),
-            ("copies of geometries", self.copies, MOST_COPIES),
+            ("copies of geometries", copies.geometries, MOST_COPIES),
+            ("copies of lights", copies.lights, MOST_LIGHTS),
         ] {
             if found > most {
                 let message =
@@ -245,7 +252,11 @@ impl Reader<'_> {
 }
 
 /// Builds the part of a file that has been read.
-fn part_file(name: &str, loaded: Loaded) -> Result<PartFile, GeometryError> {
+fn part_file(
+    name: &str,
+    loaded: Loaded,
+    cancel: Option<&Cancel>,
+) -> Result<PartFile, GeometryError> {
     let Loaded {
         source,
         checked: mut found,
@@ -261,7 +272,7 @@ fn part_file(name: &str, loaded: Loaded) -> Result<PartFile, GeometryError> {
     };
     let needs = mem::take(&mut found.needs);
     let part = match findings.errors() {
-        0 => part(name, found)?.map(Arc::new),
+        0 => part(name, found, cancel)?.map(Arc::new),
         _ => None,
     };
     Ok(PartFile {
@@ -271,7 +282,11 @@ fn part_file(name: &str, loaded: Loaded) -> Result<PartFile, GeometryError> {
     })
 }
 
-fn part(name: &str, found: Checked) -> Result<Option<Part>, GeometryError> {
+fn part(
+    name: &str,
+    found: Checked,
+    cancel: Option<&Cancel>,
+) -> Result<Option<Part>, GeometryError> {
     let (Some(mut model), tables) = (found.model, found.tables.unwrap_or_default()) else {
         return Ok(None);
     };
@@ -289,7 +304,7 @@ fn part(name: &str, found: Checked) -> Result<Option<Part>, GeometryError> {
         geometries,
         origins,
         scales,
-    } = build::geometries(model.geometries, &materials, tables)?;
+    } = build::geometries(model.geometries, &materials, tables, cancel)?;
     let places = Places {
         file: name.into(),
         origins,

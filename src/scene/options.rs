@@ -1,6 +1,7 @@
 //! Options for reading a scene.
 
 use std::{
+    io::{self, Read},
     path::{Component, Path, PathBuf},
     sync::Arc,
 };
@@ -258,5 +259,33 @@ impl ReadOptions {
     /// Returns true if reading should stop.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancel.as_ref().is_some_and(Cancel::is_cancelled)
+    }
+
+    /// The handle that stops reading, if there is one.
+    pub(crate) const fn canceller(&self) -> Option<&Cancel> {
+        self.cancel.as_ref()
+    }
+
+    /// Returns a reader that fails once reading should stop.
+    pub(crate) fn until_cancelled<R: Read>(&self, reader: R) -> UntilCancelled<R> {
+        UntilCancelled {
+            reader,
+            cancel: self.cancel.clone(),
+        }
+    }
+}
+
+/// A reader that fails once it is cancelled.
+pub(crate) struct UntilCancelled<R> {
+    reader: R,
+    cancel: Option<Cancel>,
+}
+
+impl<R: Read> Read for UntilCancelled<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if let Some(cancel) = &self.cancel {
+            cancel.check().map_err(io::Error::other)?;
+        }
+        self.reader.read(buffer)
     }
 }

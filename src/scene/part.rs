@@ -214,6 +214,14 @@ pub(crate) struct Nest {
     /// The files from the scene to the one that is being read.
     pub(crate) way: Way,
     known: Arc<Mutex<KnownParts>>,
+    copies: Arc<Mutex<Copies>>,
+}
+
+/// The numbers of geometries and lights that are copies, because a part is named again.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Copies {
+    pub(crate) geometries: usize,
+    pub(crate) lights: usize,
 }
 
 /// The parts that have been read, by their folder and their path: the files that a part names are
@@ -236,6 +244,14 @@ impl Nest {
     /// Keeps a file that has been read.
     pub(crate) fn keep(&self, file: &File, read: &Arc<PartFile>) {
         self.known().insert(file.key(), Arc::clone(read));
+    }
+
+    /// Adds copies to those of all files, and returns these.
+    pub(crate) fn add_copies(&self, geometries: usize, lights: usize) -> Copies {
+        let mut all = self.copies.lock().unwrap_or_else(PoisonError::into_inner);
+        all.geometries = all.geometries.saturating_add(geometries);
+        all.lights = all.lights.saturating_add(lights);
+        *all
     }
 
     fn known(&self) -> MutexGuard<'_, KnownParts> {

@@ -163,6 +163,7 @@ fn open(
         columns: named.columns,
         array: named.array,
     };
+    let file = options.until_cancelled(file);
     let read = Table::read(file, length, format, &request, |length| {
         options.pool(length)
     });

@@ -4,17 +4,17 @@
 mod camera;
 mod outline;
 mod rewrite;
+mod turns;
 mod view;
 
 use std::{
-    mem,
+    fmt, io, mem,
     path::{Path, PathBuf},
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
-    thread::{self, JoinHandle},
-    time::Duration,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 pub use camera::Motion;
+pub use turns::Turns;
 pub use view::{Quality, Seen, View};
 
 use crate::{
@@ -27,8 +27,8 @@ use crate::{
 
 /// A scene that is edited.
 ///
-/// Each change of the text, and of a file that the scene names, starts a check on the thread of
-/// the session. A newer change cancels it.
+/// Each change of the text, and of a file that the scene names, starts a check on another thread.
+/// A newer change cancels it, and so does the end of the session, which does not wait for it.
 ///
 /// # Examples
 ///
@@ -47,7 +47,6 @@ use crate::{
 #[derive(Debug)]
 pub struct Session {
     shared: Arc<Shared>,
-    checker: Option<JoinHandle<()>>,
 }
 
 /// A text and its version, which grows with each change.
@@ -111,40 +110,8 @@ impl Checked {
     }
 }
 
-/// The turns of sessions that check one after another. Clones are the same turns.
-#[derive(Clone, Debug, Default)]
-pub struct Turns(Arc<(Mutex<bool>, Condvar)>);
+type OnChecked = dyn FnMut(Arc<Checked>) + Send;
 
-/// The right to check, until it is dropped.
-struct Turn<'a>(&'a Turns);
-
-impl Turns {
-    /// The time after which a waiting session looks whether it is closed.
-    const WAIT: Duration = Duration::from_millis(20);
-
-    fn is_taken(&self) -> MutexGuard<'_, bool> {
-        self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Waits for a turn, but not long.
-    fn take(&self) -> Option<Turn<'_>> {
-        let mut is_taken = self.is_taken();
-        if *is_taken {
-            let waited = self.0.1.wait_timeout(is_taken, Self::WAIT);
-            (is_taken, _) = waited.unwrap_or_else(PoisonError::into_inner);
-        }
-        (!mem::replace(&mut *is_taken, true)).then_some(Turn(self))
-    }
-}
-
-impl Drop for Turn<'_> {
-    fn drop(&mut self) {
-        *self.0.is_taken() = false;
-        self.0.0.1.notify_one();
-    }
-}
-
-#[derive(Debug)]
 struct Shared {
     name: String,
     options: ReadOptions,
@@ -152,7 +119,7 @@ struct Shared {
     /// True if the scene is needed, and not only its diagnostics.
     keeps_scene: bool,
     state: Mutex<State>,
-    wake: Condvar,
+    on_checked: Mutex<Box<OnChecked>>,
 }
 
 #[derive(Debug)]
@@ -166,56 +133,54 @@ struct State {
     checked: Option<Arc<Checked>>,
 }
 
+impl fmt::Debug for Shared {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Shared").field(&self.name).finish()
+    }
+}
+
 impl Shared {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Requests a check, and cancels the one in flight.
-    fn request(&self, mut state: MutexGuard<'_, State>) {
-        state.is_due = true;
+    ///
+    /// # Errors
+    ///
+    /// Fails if no thread can be started. The next request tries again.
+    fn request(self: &Arc<Self>, mut state: MutexGuard<'_, State>) -> io::Result<()> {
         state.cancel.cancel();
+        if mem::replace(&mut state.is_due, true) {
+            return Ok(());
+        }
+        let given = self.turns.give(Arc::clone(self));
+        state.is_due = given.is_ok();
+        given
+    }
+
+    /// Checks the text, if it is still to be checked.
+    fn turn(&self) {
+        let mut state = self.state();
+        if state.is_closed || !mem::take(&mut state.is_due) {
+            return;
+        }
+        state.cancel = Cancel::new();
+        let (draft, cancel) = (state.draft.clone(), state.cancel.clone());
+        let last = state.checked.clone();
         drop(state);
-        self.wake.notify_all();
-    }
-
-    /// Waits for a request and a turn; `None` once the session is closed.
-    fn next(&self) -> Option<(Draft, Cancel, Turn<'_>)> {
-        loop {
-            let mut state = self.state();
-            while !state.is_due && !state.is_closed {
-                state = self
-                    .wake
-                    .wait(state)
-                    .unwrap_or_else(PoisonError::into_inner);
-            }
-            drop(state);
-            let turn = self.turns.take();
-            let mut state = self.state();
-            if state.is_closed {
-                return None;
-            }
-            if let Some(turn) = turn.filter(|_| state.is_due) {
-                state.is_due = false;
-                state.cancel = Cancel::new();
-                return Some((state.draft.clone(), state.cancel.clone(), turn));
-            }
+        let Ok(checked) = self.check(&draft, &cancel, last.as_deref()) else {
+            return;
+        };
+        let checked = Arc::new(checked);
+        let mut state = self.state();
+        if state.is_closed {
+            return;
         }
-    }
-
-    /// Checks texts until the session is closed.
-    fn run(&self, mut on_checked: impl FnMut(Arc<Checked>)) {
-        let mut last = None;
-        while let Some((draft, cancel, turn)) = self.next() {
-            let Ok(checked) = self.check(&draft, &cancel, last.as_deref()) else {
-                continue;
-            };
-            drop(turn);
-            let checked = Arc::new(checked);
-            self.state().checked = Some(Arc::clone(&checked));
-            last = Some(Arc::clone(&checked));
-            on_checked(checked);
-        }
+        state.checked = Some(Arc::clone(&checked));
+        drop(state);
+        let on_checked = self.on_checked.lock();
+        on_checked.unwrap_or_else(PoisonError::into_inner)(checked);
     }
 
     fn check(
@@ -256,7 +221,7 @@ impl Shared {
 }
 
 impl Session {
-    /// Starts to check a text. `on_checked` receives each result on the thread of the session.
+    /// Starts to check a text. `on_checked` receives each result on the thread of the check.
     ///
     /// `name` is the name in reports. [`ReadOptions::syntax`] and [`ReadOptions::folder`] tell how
     /// the text is read.
@@ -347,25 +312,18 @@ impl Session {
             keeps_scene,
             state: Mutex::new(State {
                 draft,
-                is_due: true,
+                is_due: false,
                 is_closed: false,
                 cancel: Cancel::new(),
                 checked: None,
             }),
-            wake: Condvar::new(),
+            on_checked: Mutex::new(Box::new(on_checked)),
         });
-        let checker = Arc::clone(&shared);
-        let checker = thread::Builder::new()
-            .name("check".to_owned())
-            .spawn(move || checker.run(on_checked));
-        let checker = checker.map_err(|error| {
+        shared.request(shared.state()).map_err(|error| {
             let message = "the thread that checks the scene could not be started";
             Error::new(ErrorKind::Unavailable, message).caused_by(error)
         })?;
-        Ok(Self {
-            shared,
-            checker: Some(checker),
-        })
+        Ok(Self { shared })
     }
 
     /// Returns the text.
@@ -392,7 +350,7 @@ impl Session {
             version: version + 1,
             text: text.into(),
         };
-        self.shared.request(state);
+        self.request(state);
         Some(version + 1)
     }
 
@@ -404,8 +362,13 @@ impl Session {
             version,
             text: text.into(),
         };
-        self.shared.request(state);
+        self.request(state);
         version
+    }
+
+    fn request(&self, state: MutexGuard<'_, State>) {
+        // Without a thread, the last result stays until the next change.
+        let _ = self.shared.request(state);
     }
 
     /// Ends the check in flight. The next change starts one again.
@@ -417,19 +380,16 @@ impl Session {
 
     /// Checks the text again, after a change of a file that it names.
     pub fn refresh(&self) {
-        self.shared.request(self.shared.state());
+        self.request(self.shared.state());
     }
 }
 
 impl Drop for Session {
+    /// Cancels the check in flight, and does not wait for it.
     fn drop(&mut self) {
         let mut state = self.shared.state();
         state.is_closed = true;
-        self.shared.request(state);
-        if let Some(checker) = self.checker.take() {
-            // It has nothing left to report.
-            let _ = checker.join();
-        }
+        state.cancel.cancel();
     }
 }
 

@@ -338,3 +338,23 @@ fn a_faulty_scene_takes_at_most_thirty_times_its_size_in_memory() {
         }
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn outlines_that_do_not_fit_into_memory_are_refused_before_it_is_asked_for() {
+    let folder = Folder::new();
+    let scene = |fields: &str| {
+        format!(
+            "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4), \
+             image: (width: 640, height: 480, samples: 4096), {fields}, \
+             geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#f00\")])"
+        )
+    };
+    folder.write("wide.ron", scene("outlines: (width: 100)"));
+    folder.write("bent.ron", scene("outlines: (width: 60, creases: 30)"));
+    for name in ["wide.ron", "bent.ron"] {
+        let done = with_memory(&folder, 2_000_000, &["render", name]);
+        done.one_line(75, &["a picture of 640x480 does not fit into memory"]);
+    }
+    assert_eq!(folder.names(), ["bent.ron", "wide.ron"]);
+}

@@ -457,6 +457,54 @@ fn a_part_named_a_thousand_times_is_read_once() {
     assert!(lines.iter().any(|line| line.contains(limit)), "{lines:#?}");
 }
 
+/// Writes a chain of parts, each of which names the one below twice, and returns its last file.
+fn doubling(folder: &Folder, name: &str, levels: usize, lights: &str) -> String {
+    let mut below = "tree.ron".to_owned();
+    for level in 0..levels {
+        let file = format!("{name}{level}.ron");
+        let named = format!("Part(file: \"{below}\"{lights}), ").repeat(2);
+        folder.write(&file, format!("(geometries: [{named}])"));
+        below = file;
+    }
+    below
+}
+
+#[test]
+fn copies_are_counted_over_all_files() {
+    let folder = folder();
+    // Each file alone is below the limit.
+    let chain = |index: usize| {
+        let file = doubling(&folder, &format!("chain{index}_"), 16, "");
+        format!("Part(file: \"{file}\"), ")
+    };
+    let chains: Vec<_> = (0..17).map(chain).collect();
+    folder.write("main.ron", main(&chains[..2].concat()));
+    assert_eq!(validate(&folder, "main.ron").0, Some(0));
+    folder.write("main.ron", main(&chains.concat()));
+    let (status, lines) = validate(&folder, "main.ron");
+    assert_eq!(status, Some(1));
+    let limit = "copies of geometries, the maximum is 4194304";
+    assert!(lines.iter().any(|line| line.contains(limit)), "{lines:#?}");
+}
+
+#[test]
+fn copies_of_lights_are_counted() {
+    let folder = Folder::new();
+    folder.write(
+        "tree.ron",
+        r##"(lights: [Ambient(intensity: 1)], geometries: [])"##,
+    );
+    let last = doubling(&folder, "a", 20, ", lights: true");
+    folder.write(
+        "main.ron",
+        main(&format!("Part(file: \"{last}\", lights: true)")),
+    );
+    let (status, lines) = validate(&folder, "main.ron");
+    assert_eq!(status, Some(1));
+    let limit = "copies of lights, the maximum is 65536";
+    assert!(lines.iter().any(|line| line.contains(limit)), "{lines:#?}");
+}
+
 #[test]
 fn the_depth_of_parts_has_a_limit() {
     let folder = Folder::new();

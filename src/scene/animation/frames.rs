@@ -74,6 +74,17 @@ impl Frames {
         paths.zip(&self.targets)
     }
 
+    /// Returns the tracks with their targets.
+    pub(super) fn tracks(&self) -> impl Iterator<Item = (&Target, &Track)> {
+        let tracks = self.animation.tracks().iter();
+        self.targets.iter().zip(tracks.map(|(_, track)| track))
+    }
+
+    /// Returns true if nothing in the scene is a copy.
+    pub(super) fn copies_nothing(&self) -> bool {
+        self.copies.is_empty()
+    }
+
     /// Returns true if all cameras orbit.
     pub(crate) const fn orbit_cameras(&self) -> bool {
         self.cameras.is_some()
@@ -216,10 +227,10 @@ impl Frames {
         }
     }
 
-    /// Returns the turns of the cameras at all frames, if they orbit.
-    pub(crate) fn turntable(&self) -> Option<Turntable> {
+    /// Returns the turns of the cameras at some frames, if they orbit.
+    pub(crate) fn turntable(&self, numbers: &[u32]) -> Option<Turntable> {
         let orbit = self.animation.orbit.as_ref()?;
-        Some(orbit.turntable(self.count()))
+        Some(orbit.turntable(numbers, self.count()))
     }
 }
 

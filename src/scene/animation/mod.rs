@@ -6,6 +6,7 @@
 mod curve;
 pub(crate) mod frames;
 mod orbit;
+mod places;
 pub(crate) mod target;
 #[cfg(test)]
 mod tests;

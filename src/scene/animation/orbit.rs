@@ -22,10 +22,10 @@ impl OrbitModel {
         (part != 0.0).then(|| Rotation::new(self.axis(), part * TAU))
     }
 
-    /// Returns the rotations at all frames.
-    pub(super) fn turntable(&self, frames: u32) -> Turntable {
-        let turns = (0..frames).map(|number| {
-            let rotation = self.rotation(number, frames);
+    /// Returns the rotations at some frames.
+    pub(super) fn turntable(&self, numbers: &[u32], frames: u32) -> Turntable {
+        let turns = numbers.iter().map(|number| {
+            let rotation = self.rotation(*number, frames);
             let axes = [DVec3::X, DVec3::Y, DVec3::Z];
             let turned = axes.map(|axis| rotation.as_ref().map_or(axis, |turn| turn.of(axis)));
             DMat3::from_cols(turned[0], turned[1], turned[2])

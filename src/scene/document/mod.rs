@@ -14,7 +14,10 @@ use crate::{
         error::{Error, ErrorKind},
         plain,
     },
-    parallel::timings::{Stage, Timings},
+    parallel::{
+        Cancel,
+        timings::{Stage, Timings},
+    },
     scene::{
         check::{self, Checked, Found},
         convert::{self, Converted, LostComments},
@@ -204,6 +207,11 @@ impl Document {
             timings: timings.clone(),
             ..self.findings()
         }
+    }
+
+    /// The handle that cancels the reading, if there is one.
+    pub(crate) const fn canceller(&self) -> Option<&Cancel> {
+        self.options.canceller()
     }
 
     /// Returns the document, or an error if reading was cancelled.

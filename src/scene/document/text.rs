@@ -162,6 +162,7 @@ impl Document {
             subject: Subject::Scene(&model, &tables),
             frames: frames.as_ref(),
             known: &known,
+            cancel: self.options.canceller(),
         };
         let refused = |message: String| Error::new(ErrorKind::Usage, message);
         let tree = self.source.tree();

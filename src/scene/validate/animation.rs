@@ -196,7 +196,8 @@ impl Found {
     }
 
     /// Reports faults that appear only between keys: the first frame with an invalid camera,
-    /// light or plane.
+    /// light or plane. Of very many frames, evenly spaced ones are checked; each is checked again
+    /// before it is drawn.
     pub(super) fn frames(&mut self, model: &Model, frames: &Frames) {
         let mut owners = Vec::new();
         if frames.orbit_cameras() {
@@ -232,8 +233,8 @@ impl Found {
             }
         }
         let mut shown = frames.copy(model);
-        for number in 0..frames.count() {
-            if owners.is_empty() {
+        for number in frames.sample(model) {
+            if owners.is_empty() || self.is_cancelled() {
                 return;
             }
             frames.show(number, &mut shown);

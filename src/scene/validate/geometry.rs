@@ -106,6 +106,9 @@ impl Found {
         // A moving geometry separates from its duplicate.
         let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
         for (first, at) in duplicates.found(model) {
+            if self.is_cancelled() {
+                return;
+            }
             let is_whole = |at| {
                 let geometry = model.geometry(at);
                 geometry.is_some_and(|geometry| !stand_ins.has_part_of(at, geometry))

@@ -22,6 +22,9 @@ impl Found {
         }
         let mut prototypes = Prototypes::new(model);
         for (at, named) in lists {
+            if self.is_cancelled() {
+                return;
+            }
             if let Err(refused) = prototypes.of(&named.of, at) {
                 self.not_copied(&named.of, &refused, at, model);
             }

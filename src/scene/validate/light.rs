@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{Found, camera::Eye, material::both};
 use crate::{
     diagnostic::{Code, path::Path},
+    parallel::Cancel,
     scene::{
         animation::frames::Frames,
         format::{
@@ -130,6 +131,9 @@ impl Found {
         eyes: &[Eye],
     ) {
         for (index, given) in lights.into_iter().flatten().enumerate() {
+            if self.is_cancelled() {
+                return;
+            }
             let light = given.build();
             let (light, position, shadows) = match &light {
                 Ok(light @ Light::Point(point)) => (light, point.position(), point.shadows()),
@@ -154,7 +158,8 @@ impl Found {
         tables: &Tables,
     ) {
         let mut nearest = f64::INFINITY;
-        each_shape(model, tables, |shape| {
+        let cancel = self.cancel.clone();
+        each_shape(model, tables, cancel.as_ref(), |shape| {
             if let Extent::Ball(center, radius) = shape.extent() {
                 let to_ball = ((center - position).length() - radius).max(0.0);
                 if to_ball < nearest {
@@ -255,14 +260,19 @@ fn weakens(light: &LightModel) -> bool {
     falloff.unwrap_or_default() == FalloffModel::InverseSquare
 }
 
-/// Calls `see` with every shape of a scene.
-fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
-    for leaf in model.leaves() {
+/// Calls `see` with every shape of a scene, until it is cancelled.
+fn each_shape(
+    model: &Model,
+    tables: &Tables,
+    cancel: Option<&Cancel>,
+    mut see: impl FnMut(&Shape),
+) {
+    model.leaves().any(|leaf| {
         tables.any_shape(&leaf, |shape| {
             see(shape);
-            false
-        });
-    }
+            cancel.is_some_and(Cancel::is_cancelled)
+        })
+    });
 }
 
 /// Returns the distance from a point to the box around a shape: the ball around a wide floor is as high

@@ -19,6 +19,7 @@ use std::collections::HashSet;
 use crate::{
     diagnostic::{Code, Severity, levels::Levels, path::Path},
     film::{samples::Samples, size::Size},
+    parallel::Cancel,
     scene::{
         animation::frames::Frames,
         duplicates::Duplicates,
@@ -49,6 +50,8 @@ pub(crate) struct Aspects<'a> {
     pub(crate) is_part: bool,
     /// True if the files that the scene names have errors.
     pub(crate) files_have_errors: bool,
+    /// Ends the checks. What they found is of no use then.
+    pub(crate) cancel: Option<&'a Cancel>,
 }
 
 /// Returns every problem of a scene, except those that were found in its tables and parts when they
@@ -63,6 +66,7 @@ pub(crate) fn problems(
 ) -> (Vec<Problem>, Tally) {
     let is_part = aspects.is_part;
     let mut found = Found::new(most);
+    found.cancel = aspects.cancel.cloned();
     found.is_lit = is_part || model.lights.is_some() || tables.lights().next().is_some();
     if let Some(problem) = version(model.version) {
         found.push(problem);
@@ -93,6 +97,7 @@ pub(crate) fn problems(
         subject: Subject::Scene(model, tables),
         frames: frames.as_ref(),
         known: &known,
+        cancel: aspects.cancel,
     };
     let eyes = match is_part {
         true => Vec::new(),
@@ -109,6 +114,9 @@ pub(crate) fn problems(
     // The end of the last solid with operands.
     let mut parts_until = Ordinal::default();
     for (at, geometry) in model.walk() {
+        if found.is_cancelled() {
+            break;
+        }
         let leaf = leaves.next_if(|leaf| leaf.at == at);
         if let Some(Leaf { placement, .. }) = &leaf {
             duplicates.add(at, geometry, placement);
@@ -166,7 +174,7 @@ pub(crate) fn problems(
         found.never_visible(model, tables, frames, &framing);
     }
     if is_wanted(Code::NothingVisible) && !is_empty(model, tables) {
-        found.nothing_visible(model, tables, frames);
+        found.nothing_visible(model, tables, frames, aspects.cancel);
     }
     (found.list, found.tally)
 }
@@ -214,6 +222,7 @@ struct Found {
     tally: Tally,
     /// True if lights may fall on the scene.
     is_lit: bool,
+    cancel: Option<Cancel>,
 }
 
 impl Found {
@@ -223,7 +232,14 @@ impl Found {
             list: Vec::new(),
             tally: Tally::new(most),
             is_lit: false,
+            cancel: None,
         }
+    }
+
+    /// Returns true if the checks should end. Every long loop asks.
+    #[inline]
+    fn is_cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(Cancel::is_cancelled)
     }
 
     fn push(&mut self, problem: Problem) {

@@ -2,6 +2,7 @@
 
 use crate::{
     diagnostic::Code,
+    parallel::Cancel,
     scene::{
         animation::frames::Frames,
         format::{
@@ -28,9 +29,10 @@ impl Found {
         model: &Model,
         tables: &Tables,
         frames: Option<&Frames>,
+        cancel: Option<&Cancel>,
     ) {
         let when = frames.map_or("", |_| ", in any frame");
-        for (name, _) in blind(model, tables, frames) {
+        for (name, _) in blind(model, tables, frames, cancel) {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
             let problem = Problem::new(
@@ -101,7 +103,9 @@ fn unseen(
     });
     let views = views.collect::<Option<Vec<_>>>()?;
     let is_unseen = |leaf: &Leaf| {
-        is_wanted(leaf.at) && views.iter().all(|view| view.certainly_misses(leaf, tables))
+        !framing.is_cancelled()
+            && is_wanted(leaf.at)
+            && views.iter().all(|view| view.certainly_misses(leaf, tables))
     };
     let unseen = world.leaves().filter(is_unseen);
     Some(unseen.map(|leaf| leaf.at).collect())
@@ -117,6 +121,7 @@ fn unseen_by_frames(
 ) -> Option<Vec<Ordinal>> {
     let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
     let work = (model.leaves().count() + more) * model.all_cameras().count();
+    let work = work + frames.targets().count();
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
         return None;
     }
@@ -126,7 +131,7 @@ fn unseen_by_frames(
     let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
     let mut shown = frames.copy(model);
     for number in 0..frames.count() {
-        if left.is_empty() {
+        if left.is_empty() || framing.is_cancelled() {
             break;
         }
         frames.show(number, &mut shown);
@@ -147,7 +152,12 @@ type Named<'a> = (Option<&'a str>, &'a CameraModel);
 
 /// Returns the cameras that certainly see no geometry at any frame; none if the search would take
 /// too long.
-fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<Named<'a>> {
+fn blind<'a>(
+    model: &'a Model,
+    tables: &Tables,
+    frames: Option<&Frames>,
+    cancel: Option<&Cancel>,
+) -> Vec<Named<'a>> {
     let mut blind: Vec<(usize, Named)> = model.all_cameras().enumerate().collect();
     let mut left = MOST_WORK;
     match frames {
@@ -160,6 +170,10 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
             }
             let mut shown = frames.copy(model);
             for number in 0..frames.count() {
+                left = left.saturating_sub(frames.targets().count());
+                if left == 0 || cancel.is_some_and(Cancel::is_cancelled) {
+                    return Vec::new();
+                }
                 if blind.is_empty() {
                     break;
                 }

@@ -135,6 +135,12 @@ impl Extremes {
         }
     }
 
+    /// Returns the largest `p·n` of each direction.
+    #[cfg(test)]
+    pub(crate) fn distances(&self) -> Vec<f64> {
+        self.found.iter().map(|(far, _)| *far).collect()
+    }
+
     /// Returns the points, one for each direction.
     fn points<const N: usize>(&self) -> Result<[DVec3; N], GeometryError> {
         if !self.is_finite {
