@@ -115,6 +115,8 @@ codes! {
     PartRing = "part-ring", Error;
     /// A color channel outside of 0 to 1.
     ColorClamped = "color-clamped", Warning;
+    /// An atom whose kind is not a chemical element.
+    UnknownElement = "unknown-element", Warning;
     /// An angle of view that is likely in radians.
     FovInRadians = "fov-in-radians", Warning;
     /// A radius or a color for all rows of a table, although every row has its own.

@@ -9,7 +9,10 @@ use std::{
     sync::Arc,
 };
 
-use crate::diagnostic::{Code, Diagnostic, error::Error};
+use crate::{
+    diagnostic::{Code, Diagnostic, error::Error},
+    scene::foreign::Foreign,
+};
 
 /// Number of bytes read before the first check.
 const FIRST_READ: usize = 4096;
@@ -393,9 +396,10 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Fi
 
 /// Checks the bytes after the first `seen`.
 fn not_text(bytes: &[u8], seen: usize) -> Option<Diagnostic> {
-    if seen == 0 && (bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])) {
-        let fault = Diagnostic::new(Code::Syntax, 0..0, "the text is UTF-16, expected UTF-8");
-        return Some(fault.with_help("save the file as UTF-8"));
+    if seen == 0
+        && let Some(Foreign { what, help }) = Foreign::of(bytes, "")
+    {
+        return Some(Diagnostic::new(Code::Syntax, 0..0, what).with_help(help));
     }
     let fresh = bytes.get(seen..)?;
     // `contains` is many times as fast, and almost always enough.

@@ -126,7 +126,7 @@ fn open(
         let message = "the extension does not determine the format, expected .ply, .obj or .stl";
         place.problem(Code::InvalidMesh, message)
     })?;
-    let (file, length) = place.open(files)?;
+    let (_, file, length) = place.open_data(files, Code::InvalidMesh)?;
     let request = Request {
         colors: wanted.colors,
         value: wanted.value.as_deref(),

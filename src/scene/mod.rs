@@ -9,6 +9,7 @@ pub(crate) mod convert;
 pub(crate) mod document;
 pub(crate) mod duplicates;
 pub(crate) mod files;
+mod foreign;
 pub mod format;
 pub(crate) mod framing;
 pub(crate) mod instances;

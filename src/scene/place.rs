@@ -1,9 +1,12 @@
 //! A geometry that names a file, and the problems of that file.
 
+use std::io::Read;
+
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         files::{self, Folder, Refused},
+        foreign::{Foreign, start_of},
         format::{
             color_by::ColorByModel,
             geometry::table::{RowKind, TableModel},
@@ -30,6 +33,22 @@ impl Place<'_> {
                 "put the file into the folder of the scene, or allow it by `--allow-outside`",
             ),
         })
+    }
+
+    /// Opens a file of data, unless it is something else than its name says. Returns its first bytes and
+    /// its length as well; the reader begins with these bytes.
+    pub(super) fn open_data(
+        &self,
+        files: &Folder<'_>,
+        code: Code,
+    ) -> Result<(Vec<u8>, impl Read + Send + use<>, u64), Problem> {
+        let (file, length) = self.open(files)?;
+        let (start, file) = start_of(file)
+            .map_err(|error| self.problem(Code::FileNotFound, files::cause(error)))?;
+        match Foreign::of(&start, self.file) {
+            Some(Foreign { what, help }) => Err(self.problem(code, what).help(help)),
+            None => Ok((start, file, length)),
+        }
     }
 
     /// Creates a problem of the file; the message names the file first.
@@ -241,7 +260,7 @@ impl Place<'_> {
             }
         };
         let message = format!("{}{}", fault.message, and_more(bad.count));
-        let problem = self.problem_at(fault.blamed, Code::InvalidTable, message);
+        let problem = self.problem_at(fault.blamed, bad.code(), message);
         problem.help_of(fault.help)
     }
 

@@ -6,6 +6,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         files::{self, Folder},
+        foreign::Foreign,
         format::{
             color::ColorModel,
             geometry::{
@@ -22,7 +23,7 @@ use crate::{
         part::{Part, PartLight},
         place::Place,
         problem::Problem,
-        table::{Defaults, Fault, Format, ReadError, Request, Row, Table},
+        table::{Cloud, Defaults, Fault, Format, ReadError, Request, Row, Table},
     },
     tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
 };
@@ -108,7 +109,7 @@ pub(crate) fn read(
             Ok((table, format)) => {
                 place.check(named, &table, format, &mut problems);
                 place.unused_columns(named, &table, format, &mut problems);
-                if !table.bad_rows().is_empty() || !place.has_values(named, &table, &mut problems) {
+                if table.has_unread_rows() || !place.has_values(named, &table, &mut problems) {
                     continue;
                 }
                 place.check_defaults(named, &table, format, &mut problems);
@@ -156,11 +157,19 @@ fn open(
     options: &ReadOptions,
 ) -> Result<(Table, Format), Problem> {
     let format = place.format(named)?;
-    let (file, length) = place.open(files)?;
+    let (start, file, length) = place.open_data(files, Code::InvalidTable)?;
+    if format == Format::Ply
+        && let Some(Foreign { what, help }) = Foreign::of_lines(&start)
+    {
+        return Err(place.problem(Code::InvalidTable, what).help(help));
+    }
+    let cloud = (format == Format::Xyz).then(|| Cloud::of(&start)).flatten();
+    let format = cloud.as_ref().map_or(format, |_| Format::Csv);
+    let columns = cloud.as_ref().and_then(Cloud::names);
     let request = Request {
         defaults: defaults(named, materials, format),
         value: named.color_by.map(|by| &*by.column),
-        columns: named.columns,
+        columns: named.columns.or(columns),
         array: named.array,
     };
     let file = options.until_cancelled(file);
@@ -367,8 +376,8 @@ impl Tables {
             let named = model.geometry(*at).and_then(GeometryModel::table);
             if let Content::Table(table) = content
                 && let Some(named) = named
-                && let Some(format) = Format::of_name(named.file)
             {
+                let format = table.format();
                 table.set_defaults(&defaults(&named, model.materials.as_ref(), format));
             }
         }

@@ -1,10 +1,12 @@
 //! Comma-separated values: a header with the names of the columns, unless the scene names them, then
-//! one sphere or cylinder per record.
+//! one sphere or cylinder per record. Columns may also be separated by tabs or blanks.
 
 mod blocks;
+mod commas;
+mod opening;
 mod plain;
 
-use std::io::Read;
+use std::io::{Cursor, Read};
 
 use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 
@@ -14,9 +16,13 @@ use crate::{
         format::{color::ColorModel, geometry::table::RowKind},
         table::{
             Blamed, Fault, ReadError, Request, Table,
-            bytes::{BYTE_ORDER_MARK, LONGEST_LINE, check_lines, read_bytes},
+            bytes::{LONGEST_LINE, check_lines, read_bytes},
             cell,
-            csv::blocks::Blocks,
+            csv::{
+                blocks::Blocks,
+                commas::Commas,
+                opening::{Opening, Separator, usual_name},
+            },
             fault::Wrong,
             layout::{RADIUS, VALUE},
             rows::{Rows, unread},
@@ -43,35 +49,35 @@ pub(super) fn read(
 ) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let mut text = read_bytes(&mut reader, length.min(HEAD))?;
-    let header_of = |text: &[u8]| match request.columns {
-        Some(names) => {
-            let names = names.iter().map(|name| name.clone().into()).collect();
-            let start = if text.starts_with(BYTE_ORDER_MARK) {
-                BYTE_ORDER_MARK.len()
-            } else {
-                0
-            };
-            Ok((Header::new(names, request)?, start))
+    let (header, opening, body) = loop {
+        if let Some(found) = opening_of(&text, text.len() == length, request)? {
+            break found;
         }
-        None => header_of(text, request),
-    };
-    let mut found = header_of(&text);
-    while !matches!(found, Ok((_, body)) if body < text.len()) && text.len() < length {
         // A line that does not end is refused before the rest of the file is read.
         let piece = text.len().max(LONGEST_LINE).min(length - text.len());
         text.append(&mut read_bytes(&mut reader, piece)?);
         check_lines(&text, 0)?;
-        found = header_of(&text);
-    }
-    let (header, mut body) = found?;
-    // The header ends at the first of the two bytes of a line end.
-    let (head, records) = text.split_at_checked(body).unwrap_or((&text, &[]));
-    body += usize::from(head.ends_with(b"\r") && records.starts_with(b"\n"));
+    };
+    let Opening {
+        separators: [_, separator],
+        is_mac,
+        ..
+    } = opening;
     let left = length - text.len();
     let records = text.split_off(body.min(text.len()));
+    let before = match is_mac {
+        true => text.iter().filter(|byte| **byte == b'\r').count(),
+        false => line_ends(&text),
+    };
     let mut rows = Rows::new();
-    let blocks = Blocks::new(reader, left, records);
-    let before = line_ends(&text);
+    let blocks: Blocks<Box<dyn Read + Send + '_>> = if separator == Separator::Comma && !is_mac {
+        Blocks::new(Box::new(reader), left, records)
+    } else {
+        let left = left + records.len();
+        let reader = Cursor::new(records).chain(reader);
+        let reader = Commas::new(reader, separator, is_mac);
+        Blocks::new(Box::new(reader), left, Vec::new())
+    };
     let rest = plain::read(blocks, before, &header, request, &mut rows, &pool(length))?;
     // Each of these rows has one line.
     let mut lines = before + rows.rows;
@@ -89,13 +95,73 @@ fn line_ends(text: &[u8]) -> usize {
     text.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// Returns the header at the start of a text, and its end.
-fn header_of(text: &[u8], request: &Request) -> Result<(Header, usize), ReadError> {
-    let mut reader = reader_of(text, true);
-    let names: &StringRecord = reader.headers().map_err(refused)?;
-    let header = Header::new(names.iter().map(str::to_owned).collect(), request)?;
-    let end = usize::try_from(reader.position().byte()).unwrap_or(text.len());
-    Ok((header, end))
+/// The header of a text, what precedes its records, and their start.
+type Found = (Header, Opening, usize);
+
+/// Returns the header at the start of a text; `None` if more of the text is needed.
+fn opening_of(text: &[u8], is_all: bool, request: &Request) -> Result<Option<Found>, ReadError> {
+    let Some(opening) = Opening::of(text, is_all, request.columns.is_some()) else {
+        return Ok(None);
+    };
+    let Opening {
+        start,
+        header,
+        records,
+        ..
+    } = opening;
+    if let Some(names) = request.columns {
+        let names = names.iter().map(|name| name.clone().into()).collect();
+        return Ok(Some((Header::new(names, request)?, opening, records)));
+    }
+    let head = text.get(start..).unwrap_or_default();
+    let line = text.get(start..header.unwrap_or(start)).unwrap_or_default();
+    let (names, body) = match opening.separators {
+        [Separator::Comma, _] => {
+            let mut reader = reader_of(head, true);
+            let names: &StringRecord = reader.headers().map_err(refused)?;
+            let names: Vec<_> = names.iter().map(str::to_owned).collect();
+            let end = usize::try_from(reader.position().byte()).unwrap_or(head.len());
+            // Quotes may hold ends of lines.
+            if end > line.len() + 2 && start + end >= text.len() && !is_all {
+                return Ok(None);
+            }
+            let has_quotes = line.contains(&b'"');
+            (
+                names,
+                if has_quotes {
+                    after_line_end(text, start + end)
+                } else {
+                    records
+                },
+            )
+        }
+        [separator, _] => {
+            let line = str::from_utf8(line).map_err(|_| Fault::new(NOT_TEXT))?;
+            (opening::names(line, separator), records)
+        }
+    };
+    let names = usual(names, request);
+    Ok(Some((Header::new(names, request)?, opening, body)))
+}
+
+/// Returns an offset behind the second of the two bytes of a line end, if it is between them.
+fn after_line_end(text: &[u8], at: usize) -> usize {
+    let (head, rest) = text.split_at_checked(at).unwrap_or((text, &[]));
+    at + usize::from(head.ends_with(b"\r") && rest.starts_with(b"\n"))
+}
+
+/// Replaces names of columns by the usual ones, if that gives no name twice.
+fn usual(names: Vec<String>, request: &Request) -> Vec<String> {
+    let known = Known::of_csv(request.kind()).all();
+    let usual_name = |name: &str| usual_name(name).filter(|usual| known.contains(usual));
+    let found: Vec<_> = names.iter().map(|name| usual_name(name)).collect();
+    let is_one = |usual: &str| found.iter().filter(|other| **other == Some(usual)).count() == 1;
+    let names = names.iter().zip(&found);
+    let names = names.map(|(name, usual)| match usual {
+        Some(usual) if is_one(usual) => (*usual).to_owned(),
+        _ => name.clone(),
+    });
+    names.collect()
 }
 
 /// Creates the reader of a text that starts with a header or with records.
@@ -135,11 +201,13 @@ fn read_rest(
     Ok(())
 }
 
+const NOT_TEXT: &str = "the header is not UTF-8";
+
 /// Since records may have any length, only the disk fails, or a header that is not text.
 fn refused(error: csv::Error) -> ReadError {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => ReadError::Io(error),
-        _ => Fault::new("the header is not UTF-8").into(),
+        _ => Fault::new(NOT_TEXT).into(),
     }
 }
 
@@ -184,7 +252,7 @@ fn without_names(names: &[&str], columns: &Known, missing: Fault) -> Fault {
     let message = format!("unknown column {}, expected one of {expected}", quote(name));
     let fault = Fault::new(message);
     if names.len() == 1 && name.contains([';', '\t', '|']) {
-        return fault.help("columns are separated by commas");
+        return fault.help("columns are separated by commas, tabs or blanks");
     }
     if name.parse::<f64>().is_ok() {
         let coordinates: Vec<_> = coordinates(&columns.columns).collect();

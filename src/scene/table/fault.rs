@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::{
-    diagnostic::path::Path,
+    diagnostic::{Code, Severity, path::Path},
     text::nearest::{list, quote},
 };
 
@@ -81,7 +81,26 @@ pub(super) enum Wrong {
     Number,
     Color,
     Element,
+    /// A kind of atom that is not an element, which is drawn all the same.
+    Kind,
+    /// A line that resembles a record.
+    Record,
     End,
+}
+
+impl Wrong {
+    const fn code(self) -> Code {
+        match self {
+            Self::Kind => Code::UnknownElement,
+            Self::Length
+            | Self::Empty
+            | Self::Number
+            | Self::Color
+            | Self::Element
+            | Self::Record
+            | Self::End => Code::InvalidTable,
+        }
+    }
 }
 
 /// Rows that have the same fault in the same column.
@@ -94,6 +113,17 @@ pub(crate) struct BadRows {
     pub(crate) fault: Fault,
     /// The total number of such rows.
     pub(crate) count: usize,
+}
+
+impl BadRows {
+    pub(crate) const fn code(&self) -> Code {
+        self.wrong.code()
+    }
+
+    /// Returns true if the table must not be used.
+    pub(crate) const fn is_error(&self) -> bool {
+        matches!(self.code().severity(), Severity::Error)
+    }
 }
 
 impl From<io::Error> for ReadError {

@@ -8,6 +8,7 @@
 mod atoms;
 pub(crate) mod bytes;
 mod check;
+mod cloud;
 mod csv;
 mod extent;
 mod fault;
@@ -27,6 +28,7 @@ use std::{fmt, io::Read, sync::Arc};
 use glam::DVec3;
 
 pub(crate) use check::{Bad, Kind};
+pub(crate) use cloud::Cloud;
 pub(crate) use fault::{BadRows, Blamed, Fault, ReadError, cell, row};
 pub(crate) use format::Format;
 pub(crate) use layout::Row;
@@ -109,6 +111,7 @@ pub(crate) struct Table {
     empty: Arc<Empty>,
     /// The line of the first row, in a text with one line per row.
     first_line: Option<u64>,
+    format: Format,
 }
 
 impl fmt::Debug for Table {
@@ -133,14 +136,15 @@ impl Table {
         if format != Format::Npz {
             request.refuse_array()?;
         }
-        match format {
+        let table = match format {
             Format::Csv => csv::read(reader, length, request, pool),
             Format::Npy => npy::read(reader, length, request),
             Format::Npz => npz::read(reader, length, request),
             Format::Ply => ply::read(reader, length, request),
             Format::Xyz => atoms::read_xyz(reader, length, request),
             Format::Pdb => atoms::read_pdb(reader, length, request),
-        }
+        }?;
+        Ok(Self { format, ..table })
     }
 
     /// Reads the rest of a file and checks its numbers on the way.
@@ -169,6 +173,7 @@ impl Table {
             names,
             empty: Arc::default(),
             first_line: None,
+            format: Format::Csv,
         }
     }
 
@@ -178,9 +183,14 @@ impl Table {
         &self.bad
     }
 
-    /// Returns the rows that could not be read; if there are any, the table must not be used.
+    /// Returns the rows with a fault that was found before their numbers were checked.
     pub(crate) fn bad_rows(&self) -> &[BadRows] {
         &self.bad_rows
+    }
+
+    /// Returns true if some rows could not be read, so that the table must not be used.
+    pub(crate) fn has_unread_rows(&self) -> bool {
+        self.bad_rows.iter().any(BadRows::is_error)
     }
 
     /// Returns true if rows could not be read because no row has a number in the column of the values.
@@ -197,6 +207,11 @@ impl Table {
     /// Returns the values that determine the colors; `None` if the table has no such column.
     pub(crate) fn values(&self) -> Option<&Values> {
         self.layout.columns[VALUE].map(|_| &self.values)
+    }
+
+    /// The format that the table was read in.
+    pub(crate) const fn format(&self) -> Format {
+        self.format
     }
 
     /// The number of rows.

@@ -448,7 +448,21 @@ fn not_numbers(what: &str, descr: &str) -> Fault {
         "the type of the {what} is {}, expected numbers",
         quote(descr)
     );
-    Fault::new(message)
+    Fault {
+        help: remedy(descr).map(str::to_owned),
+        ..Fault::new(message)
+    }
+}
+
+/// Returns the help for an array of a type that is not one of numbers.
+fn remedy(descr: &str) -> Option<&'static str> {
+    Some(match descr.as_bytes() {
+        [b'|', b'O', ..] => "these are Python objects: save `array.astype(\"f8\")`",
+        [_, b'c', ..] => "complex numbers have two parts: save `array.real` or `abs(array)`",
+        [_, b'U' | b'S', ..] => "this is text: save `array.astype(\"f8\")`",
+        [_, b'M' | b'm', ..] => "these are times: save `array.astype(\"i8\").astype(\"f8\")`",
+        _ => return None,
+    })
 }
 
 /// Rejects arrays of anything but floats: integers may be colors of any range.
@@ -460,7 +474,7 @@ fn check_usual(descr: &str) -> Result<(), Fault> {
                 "the type is {}, expected `<f4`, `<f8`, `>f4` or `>f8`",
                 quote(descr)
             ));
-            Err(fault.help("save `array.astype(\"f8\")`"))
+            Err(fault.help(remedy(descr).unwrap_or("save `array.astype(\"f8\")`")))
         }
     }
 }

@@ -25,12 +25,6 @@ impl Element {
         [16, 8, 0].map(|shift| f64::from(self.color >> shift & 0xff) / 255.0)
     }
 
-    /// The first element.
-    pub(super) const fn hydrogen() -> &'static Self {
-        let [hydrogen, ..] = &ELEMENTS;
-        hydrogen
-    }
-
     /// Returns the element with a symbol, in any case, or with an atomic number, and its number.
     pub(super) fn of(text: &str) -> Option<(u8, &'static Self)> {
         let number = match text.parse::<usize>() {
@@ -55,6 +49,9 @@ impl Element {
 
 /// The radius of elements without a known one, as in Jmol.
 const UNKNOWN_RADIUS: u16 = 200;
+
+/// The stand-in for everything that is not an element, such as `X`, `Du` and lone pairs.
+pub(super) static NEUTRAL: Element = element("X", 100, 0x808080);
 
 const fn element(symbol: &'static str, radius: u16, color: u32) -> Element {
     Element {

@@ -1,6 +1,7 @@
 //! Atoms: spheres whose elements determine radii and colors.
 
 mod elements;
+mod names;
 mod pdb;
 mod xyz;
 
@@ -10,8 +11,8 @@ use std::io::{self, Read};
 
 use crate::{
     scene::table::{
-        Fault, Names, ReadError, Request, Table,
-        atoms::elements::Element,
+        Defaults, Fault, Names, ReadError, Request, Table,
+        atoms::elements::{Element, NEUTRAL},
         bytes::{BYTE_ORDER_MARK, read_bytes},
         fault::Wrong,
         rows::Rows,
@@ -19,15 +20,32 @@ use crate::{
     text::nearest::quote,
 };
 
-/// The columns of every file of atoms; `number` is the atomic number.
+/// The columns of every file of atoms; `number` is the atomic number, or the number of the type.
 const COLUMNS: [&str; 5] = ["x", "y", "z", "radius", "number"];
 
 /// A number of a row that the element does not determine.
 #[derive(Clone, Copy)]
 enum Column {
     Radius,
+    /// A channel of the color, from 0.
+    Color(usize),
     /// One of the further columns of the file, from 0.
     More(usize),
+}
+
+/// The kind of an atom.
+#[derive(Clone, Copy)]
+struct Kind {
+    /// The atomic number, or the number of the type; NaN if there is none.
+    number: f64,
+    element: &'static Element,
+}
+
+/// The numbers that a file gives for each atom instead of its element.
+#[derive(Clone, Copy, Default)]
+struct Own {
+    radius: bool,
+    color: bool,
 }
 
 /// The rows of atoms. The scene's radius and color replace those of the elements.
@@ -37,21 +55,29 @@ struct Atoms<'a> {
     names: Vec<String>,
     /// The index of the value that determines the color.
     value: Option<usize>,
+    /// True if the elements determine a radius or a color.
+    needs_elements: bool,
     rows: Rows,
 }
 
 impl<'a> Atoms<'a> {
     /// Starts the rows of a file that has some more columns.
-    fn new<'n>(request: &'a Request<'a>, more: impl IntoIterator<Item = &'n str>) -> Self {
+    fn new<'n>(
+        request: &'a Request<'a>,
+        own: Own,
+        more: impl IntoIterator<Item = &'n str>,
+    ) -> Self {
         let names = COLUMNS.into_iter().chain(more).map(str::to_owned);
         let names: Vec<_> = names.collect();
         let value = request
             .value
             .and_then(|value| names.iter().position(|name| name == value));
+        let Defaults { radius, color, .. } = request.defaults;
         Self {
             request,
             names,
             value,
+            needs_elements: !(own.radius || radius.is_some()) || !(own.color || color.is_some()),
             rows: Rows::new(),
         }
     }
@@ -65,11 +91,11 @@ impl<'a> Atoms<'a> {
     }
 
     /// Adds an atom in a line. `more` returns the number in one of the columns of the file, from 0, or
-    /// the radius if the file has one.
+    /// the radius or a channel of the color if the file has them.
     fn push(
         &mut self,
         center: [f64; 3],
-        (number, element): (u8, &Element),
+        Kind { number, element }: Kind,
         line: u64,
         mut more: impl FnMut(&mut Rows, Column) -> Option<f64>,
     ) -> io::Result<()> {
@@ -82,13 +108,18 @@ impl<'a> Atoms<'a> {
             numbers.push(radius);
         }
         if self.has_color() {
-            numbers.extend(element.color());
+            let channels = element.color().into_iter().enumerate();
+            numbers.extend(
+                channels.map(|(at, channel)| {
+                    more(&mut self.rows, Column::Color(at)).unwrap_or(channel)
+                }),
+            );
         }
         if let Some(value) = self.value {
             numbers.push(match (center.get(value), value) {
                 (Some(coordinate), _) => *coordinate,
                 (None, 3) => radius,
-                (None, 4) => f64::from(number),
+                (None, 4) => number,
                 (None, other) => {
                     let column = Column::More(other - COLUMNS.len());
                     more(&mut self.rows, column).unwrap_or(f64::NAN)
@@ -110,31 +141,72 @@ impl<'a> Atoms<'a> {
     }
 
     /// Notes an unreadable number of the next row, at a place such as ` (line 3), column `x``.
-    fn bad_number(rows: &mut Rows, column: &str, place: &str, text: &str) -> f64 {
+    fn bad_number(
+        rows: &mut Rows,
+        column: &str,
+        place: &str,
+        text: &str,
+        help: impl FnOnce() -> Option<String>,
+    ) -> f64 {
         let row = rows.rows;
         rows.note(Wrong::Number, column, || {
             let text = match text {
                 "" => "a number is missing".to_owned(),
                 text => format!("{} is not a number", quote(text)),
             };
-            Fault::new(format!("row {row}{place}: {text}"))
+            Fault {
+                help: help(),
+                ..Fault::new(format!("row {row}{place}: {text}"))
+            }
         })
     }
 
-    /// Returns the element of the next row, or notes that there is none.
-    fn element(&mut self, text: &str, place: &str) -> (u8, &'static Element) {
-        let found = Element::of(text);
-        found.unwrap_or_else(|| {
+    /// Returns the kind of the next row, an element or anything else, for which a neutral atom stands.
+    fn kind(&mut self, text: &str, place: &str) -> Kind {
+        if let Some((number, element)) = Element::of(text) {
+            return Kind {
+                number: f64::from(number),
+                element,
+            };
+        }
+        // The place of the kind has another number in it.
+        let is_number =
+            text.starts_with(|first: char| matches!(first, '0'..='9' | '+' | '-' | '.'));
+        if is_number && text.parse::<u32>().is_err() || text.is_empty() && self.needs_elements {
             let row = self.rows.rows;
             self.rows.note(Wrong::Element, "", || {
-                let fault = Fault::new(format!(
-                    "row {row}{place}: {} is not an element",
-                    quote(text)
-                ));
+                let text = quote(text);
+                let fault = Fault::new(format!("row {row}{place}: {text} is not an element"));
                 fault.help("write its symbol, such as `C`, or its atomic number")
             });
-            (1, Element::hydrogen())
-        })
+        }
+        self.neutral(text, place)
+    }
+
+    /// Returns the kind of the next row, whose type is a number that is not an atomic number, or a name.
+    fn type_of(&mut self, text: &str, place: &str) -> Kind {
+        if text.parse::<u32>().is_ok() {
+            self.neutral(text, place)
+        } else {
+            self.kind(text, place)
+        }
+    }
+
+    fn neutral(&mut self, text: &str, place: &str) -> Kind {
+        if self.needs_elements && !text.is_empty() {
+            let row = self.rows.rows;
+            self.rows.note(Wrong::Kind, "", || {
+                let text = quote(text);
+                let fault = Fault::new(format!(
+                    "row {row}{place}: the kind {text} is not an element, a gray ball stands for it"
+                ));
+                fault.help("write elements, or give a `radius` and `color` or `color_by`")
+            });
+        }
+        Kind {
+            number: text.parse::<u32>().map_or(f64::NAN, f64::from),
+            element: &NEUTRAL,
+        }
     }
 
     fn into_table(self) -> Table {
@@ -168,9 +240,11 @@ fn text(reader: impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
 }
 
 /// Returns the lines of a text with their numbers, without their ends and without a byte order mark.
+/// In the files of old Macs, they end with CR.
 fn lines(text: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
-    let text = text.strip_suffix(b"\n").unwrap_or(text);
-    let lines = text.split(|byte| *byte == b'\n');
+    let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
+    let text = text.strip_suffix(&[end]).unwrap_or(text);
+    let lines = text.split(move |byte| *byte == end);
     (1..).zip(lines.map(|line| line.strip_suffix(b"\r").unwrap_or(line)))
 }

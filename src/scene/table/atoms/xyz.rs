@@ -1,12 +1,12 @@
 //! The XYZ format: the number of atoms, a comment, then one atom per line: its element, x, y and z.
 //!
 //! The comment may name the columns, as in the extended XYZ format of libAtoms:
-//! `Properties=species:S:1:pos:R:3:energy:R:1`; a `radius` replaces that of the element. Of several
-//! frames, the first is read.
+//! `Properties=species:S:1:pos:R:3:energy:R:1`; a `radius` and a `color` replace those of the element. Of
+//! several frames, the first is read.
 
-use std::{borrow::Cow, io::Read};
+use std::{borrow::Cow, collections::HashSet, io::Read};
 
-use super::{Atoms, COLUMNS, Column, lines, text};
+use super::{Atoms, COLUMNS, Column, Own, lines, text};
 use crate::{
     scene::table::{Fault, ReadError, Request, Table, fault::Wrong},
     text::nearest::quote,
@@ -25,16 +25,25 @@ pub(in super::super) fn read(
     let first = first.trim();
     let count: usize = first.parse().map_err(|_| {
         let message = format!("line 1: {} is not the number of atoms", quote(first));
-        Fault::new(message)
+        Fault::new(message).help("the first lines are the number of atoms and a comment")
     })?;
     let (_, comment) = lines.next().unwrap_or_default();
     let mut lines = lines.peekable();
     let in_row = lines.peek().map_or(0, |(_, line)| words(line).count());
-    let layout = match properties(&String::from_utf8_lossy(comment)) {
+    let comment = String::from_utf8_lossy(comment);
+    let layout = match properties(&comment) {
         Some(properties) => Layout::named(&properties)?,
-        None => Layout::usual(in_row),
+        None => Layout::usual(in_row, &comment),
     };
-    let mut atoms = Atoms::new(request, layout.more.iter().map(|(name, _)| name.as_str()));
+    let own = Own {
+        radius: layout.radius.is_some(),
+        color: layout.color.is_some(),
+    };
+    let more = layout.more.iter().map(|(name, _)| name.as_str());
+    let mut atoms = Atoms::new(request, own, more);
+    if layout.species == Species::None && atoms.needs_elements {
+        return Err(wrong("there is no `species:S:1`, `Z:I:1` or `type:I:1`").into());
+    }
     for row in 0..count {
         let Some((line, bytes)) = lines.next() else {
             atoms.rows.note(Wrong::End, "", || {
@@ -45,18 +54,31 @@ pub(in super::super) fn read(
         let words: Vec<_> = words(bytes).collect();
         let word = |at: usize| words.get(at).map_or("", |word| word);
         let place = format!(" (line {line})");
-        let element = atoms.element(letters(word(layout.species)), &place);
+        if words.len() < layout.width {
+            let (found, expected) = (words.len(), layout.width);
+            atoms.rows.note(Wrong::Length, "", || {
+                Fault::new(format!(
+                    "row {row}{place}: {found} columns, expected {expected}"
+                ))
+            });
+        }
+        let kind = match layout.species {
+            Species::Element(at) => atoms.kind(letters(word(at)), &place),
+            Species::Type(at) => atoms.type_of(letters(word(at)), &place),
+            Species::None => atoms.kind("", &place),
+        };
         let center = [0, 1, 2].map(|axis| {
             let text = word(layout.position + axis);
             text.parse().unwrap_or_else(|_| {
                 let name = ["x", "y", "z"][axis];
                 let place = format!("{place}, column `{name}`");
-                Atoms::bad_number(&mut atoms.rows, name, &place, text)
+                Atoms::bad_number(&mut atoms.rows, name, &place, text, || None)
             })
         });
         let more = |rows: &mut _, column| {
             let (name, at) = match column {
                 Column::Radius => (RADIUS, layout.radius?),
+                Column::Color(channel) => (COLOR, layout.color? + channel),
                 Column::More(index) => {
                     let (name, at) = layout.more.get(index)?;
                     (name.as_str(), *at)
@@ -65,10 +87,10 @@ pub(in super::super) fn read(
             let text = word(at);
             Some(text.parse().unwrap_or_else(|_| {
                 let place = format!("{place}, column {}", quote(name));
-                Atoms::bad_number(rows, name, &place, text)
+                Atoms::bad_number(rows, name, &place, text, || None)
             }))
         };
-        atoms.push(center, element, line, more)?;
+        atoms.push(center, kind, line, more)?;
     }
     // Further frames begin with their number of atoms, alone in its line.
     let next = lines.find(|(_, line)| !line.trim_ascii().is_empty());
@@ -85,39 +107,62 @@ pub(in super::super) fn read(
     Ok(atoms.into_table())
 }
 
-/// The property that replaces the radii of the elements.
+/// The properties that replace the radii and colors of the elements.
 const RADIUS: &str = "radius";
+const COLOR: &str = "color";
+
+/// The place of the kind of an atom among the words of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Species {
+    /// A symbol or an atomic number.
+    Element(usize),
+    /// A name, or a number that is not an atomic number.
+    Type(usize),
+    None,
+}
 
 /// The places of the columns among the words of a line.
 struct Layout {
-    species: usize,
+    species: Species,
     position: usize,
     radius: Option<usize>,
+    /// The place of the first channel.
+    color: Option<usize>,
     /// The names and places of further numbers.
     more: Vec<(String, usize)>,
+    /// The least number of words.
+    width: usize,
+}
+
+fn wrong(what: &str) -> Fault {
+    let fault = Fault::new(format!("line 2: {what} in `Properties`"));
+    fault.help("they are names, types and counts, such as `species:S:1:pos:R:3:energy:R:1`")
 }
 
 impl Layout {
     /// The layout without names, for lines of this many words.
-    fn usual(words: usize) -> Self {
+    fn usual(words: usize, comment: &str) -> Self {
+        let species = match comment.trim_start().starts_with(LAMMPS) {
+            true => Species::Type(0),
+            false => Species::Element(0),
+        };
         Self {
-            species: 0,
+            species,
             position: 1,
             radius: None,
+            color: None,
             more: (4..words)
                 .map(|at| (format!("column{}", at + 1), at))
                 .collect(),
+            width: 0,
         }
     }
 
     /// The layout of an extended XYZ file.
     fn named(properties: &str) -> Result<Self, Fault> {
-        let wrong = |what: &str| {
-            let fault = Fault::new(format!("line 2: {what} in `Properties`"));
-            fault.help("they are names, types and counts, such as `species:S:1:pos:R:3:energy:R:1`")
-        };
         let parts: Vec<_> = properties.split(':').collect();
-        let (mut species, mut position, mut radius) = (None, None, None);
+        let (mut species, mut numbers, mut types) = (None, None, None);
+        let (mut position, mut radius, mut color) = (None, None, None);
         let (mut more, mut at) = (Vec::<(String, usize)>::new(), 0_usize);
         for part in parts.chunks(3) {
             let &[name, kind, count] = part else {
@@ -128,23 +173,32 @@ impl Layout {
                 .parse()
                 .map_err(|_| wrong("a count is not a number"))?;
             let count = usize::from(count);
-            match (name, kind, count) {
-                ("species", "S", 1) => species = Some(at),
-                ("pos", "R", 3) => position = Some(at),
-                (RADIUS, "R" | "I", 1) if radius.is_none() => radius = Some(at),
-                (name, "R" | "I", 1) => more.push((name.to_owned(), at)),
-                (name, "R" | "I", count) => {
-                    more.extend(
-                        (0..count).map(|index| (format!("{name}.{}", index + 1), at + index)),
-                    );
+            let lower = name.to_ascii_lowercase();
+            let mut is_number = matches!(kind, "R" | "I");
+            match (&*lower, kind, count) {
+                ("species", "S", 1) => species = Some(Species::Element(at)),
+                ("z", "I", 1) => numbers = Some(Species::Element(at)),
+                ("type", _, 1) => types = Some(Species::Type(at)),
+                ("pos", "R", 3) => (position, is_number) = (Some(at), false),
+                (RADIUS, "R" | "I", 1) if radius.is_none() => {
+                    (radius, is_number) = (Some(at), false);
                 }
+                (COLOR, "R", 3) if color.is_none() => color = Some(at),
+                _ => {}
+            }
+            // An atomic number is in a column of every file.
+            match (count, is_number) {
+                (1, true) if lower != "z" => more.push((name.to_owned(), at)),
+                (2.., true) => more
+                    .extend((0..count).map(|index| (format!("{name}.{}", index + 1), at + index))),
                 _ => {}
             }
             at += count;
         }
         let known = |name: &str| COLUMNS.contains(&name);
-        for (index, (name, _)) in more.iter().enumerate() {
-            if known(name) || more[..index].iter().any(|(other, _)| other == name) {
+        let mut seen = HashSet::new();
+        for (name, _) in &more {
+            if known(name) || !seen.insert(name) {
                 let name = quote(name);
                 return Err(Fault::new(format!(
                     "line 2: {name} is given twice in `Properties`"
@@ -152,22 +206,27 @@ impl Layout {
             }
         }
         Ok(Self {
-            species: species.ok_or_else(|| wrong("there is no `species:S:1`"))?,
+            species: species.or(numbers).or(types).unwrap_or(Species::None),
             position: position.ok_or_else(|| wrong("there is no `pos:R:3`"))?,
             radius,
+            color,
             more,
+            width: at,
         })
     }
 }
+
+/// The start of the comment in files of LAMMPS, which have numbers of types.
+const LAMMPS: &str = "Atoms. Timestep";
 
 /// Returns the value of `Properties` in the comment of an extended XYZ file.
 fn properties(comment: &str) -> Option<String> {
     const KEY: &str = "properties=";
     let at = comment.to_ascii_lowercase().find(KEY)?;
     let rest = comment.get(at + KEY.len()..)?;
-    let value = match rest.strip_prefix('"') {
-        Some(quoted) => quoted.split('"').next(),
-        None => rest.split_ascii_whitespace().next(),
+    let value = match rest.chars().next() {
+        Some(quote @ ('"' | '\'')) => rest.split(quote).nth(1),
+        _ => rest.split_ascii_whitespace().next(),
     };
     value.map(str::to_owned)
 }

@@ -1,9 +1,11 @@
 //! Tables of every kind, whole and broken.
 
+mod atoms;
 mod csv;
 mod cylinders;
 mod npy;
 mod ply;
+mod texts;
 mod values;
 
 use glam::DVec3;
@@ -46,7 +48,7 @@ pub(super) fn wanted(bytes: &[u8], format: Format, request: &Request) -> Result<
         None => fault.message,
     };
     match read {
-        Ok(table) => match table.bad_rows().first() {
+        Ok(table) => match table.bad_rows().iter().find(|bad| bad.is_error()) {
             Some(bad) => Err(described(bad.fault.clone())),
             None => Ok(table),
         },

@@ -150,9 +150,19 @@ fn headers_are_rejected_with_a_reason() {
     let with = |descr: &str, order: &str, shape: &str| {
         format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}}}")
     };
-    for descr in ["<i4", "|u1", "<f2", "<c16", "=f8", "<U3", "|O", ""] {
+    for descr in ["<i4", "|u1", "<f2", "=f8", "<U3", "|O", ""] {
         let text = with(&format!("'{descr}'"), "False", "(2, 4)");
         refused(&text, &[&format!("`{descr}`"), "`<f8`", "astype"]);
+    }
+    for (descr, cause) in [
+        ("|O", "Python objects"),
+        ("<c16", "complex numbers"),
+        ("<U3", "text"),
+    ] {
+        refused(
+            &with(&format!("'{descr}'"), "False", "(2, 3)"),
+            &[descr, cause],
+        );
     }
     refused(
         &with("[('x', '<f4'), ('y', '<f4', (2, 3))]", "False", "(2,)"),

@@ -177,7 +177,7 @@ fn elements_give_radii_and_colors() {
     let found = atoms("1\n\nC 1 2 3\n", Format::Xyz, red);
     assert_eq!(found, [([1.0, 2.0, 3.0], 0.25, [1.0, 0.0, 0.0])]);
     for (name, expected) in [(" CA ", carbon), ("CA  ", calcium), (" C1'", carbon)] {
-        let line = format!("ATOM      1 {name} ALA A   1       1.000   2.000   3.000\n");
+        let line = format!("HETATM    1 {name} LIG A   1       1.000   2.000   3.000\n");
         assert_eq!(
             atoms(&line, Format::Pdb, Defaults::default()),
             [expected],
@@ -200,7 +200,8 @@ fn faults_of_atoms_name_line_and_column() {
         (
             "two\n",
             Format::Xyz,
-            "line 1: `two` is not the number of atoms",
+            "line 1: `two` is not the number of atoms; the first lines are the number of atoms and a \
+             comment",
         ),
         (
             "2\n\nC 0 0 0\n",
@@ -280,16 +281,22 @@ fn random_faults_are_survived() {
     let files = [
         b"2\nProperties=species:S:1:pos:R:3:f:R:3\nC 1 2 3 4 5 6\nO 1 2 3 4 5 6\n".to_vec(),
         b"1\n\nC 1 2 3\n1\n".to_vec(),
+        b"1\nAtoms. Timestep: 0\n1 1 2 3\n".to_vec(),
+        b"1\nProperties='Z:I:1:pos:R:3:color:R:3:type:I:1'\n6 1 2 3 1 0 0 7\n".to_vec(),
     ];
     survives_faults(
         &files,
         Format::Xyz,
-        &["\n", " ", ":", "9999999", "R", "nan", "\u{e9}"],
+        &[
+            "\n", " ", ":", "9999999", "R", "nan", "\u{e9}", "Z", "color", "'", "\r",
+        ],
     );
     let files = [std::fs::read("tests/valid/tables/water.pdb").unwrap()];
     survives_faults(
         &files,
         Format::Pdb,
-        &["\n", "ATOM  ", "ENDMDL", "nan", "\u{e9}"],
+        &[
+            "\n", "ATOM  ", "HETAT", "ENDMDL", "END", "nan", "\u{e9}", "999999", "\r", "\t",
+        ],
     );
 }
