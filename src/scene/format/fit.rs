@@ -21,7 +21,7 @@ use crate::{
     },
 };
 
-/// A camera that frames all bounded geometries: its eye is as near as the margin allows.
+/// A camera that frames all bounded geometries: its eye is as close as the margin allows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Fit", deny_unknown_fields)]
 #[schemars(inline, transform = rules::<Self>)]

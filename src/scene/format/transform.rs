@@ -28,7 +28,7 @@ pub struct TransformModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotate: Option<RotateModel>,
     /// The factor of all lengths, or three factors along x, y and z; 1 is the default. A negative
-    /// factor mirrors; none is 0.
+    /// factor mirrors. 0 is not allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1))]
     pub scale: Option<ScaleModel>,

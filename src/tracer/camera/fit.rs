@@ -1,4 +1,4 @@
-//! Framing: the camera that sees all of some shapes, as near as a margin allows.
+//! Framing: the camera that sees all of some shapes, as close as a margin allows.
 //!
 //! The camera looks against a direction that is given, so its basis u, v, w is known, and only the
 //! eye e is unknown. All of a convex shape is at most s to the right of the middle of the picture,
