@@ -137,13 +137,8 @@ fn lost_comments(args: &Args, lost: LostComments, why: &str) -> Failure {
     Failure::refused(&args.scene.scene, why)
 }
 
-/// Returns true if two scenes look for their tables in the same folder. For standard input, it is
-/// the current one.
+/// Returns true if two scenes look for their tables in the same folder. For standard input without
+/// a name, it is the current one.
 fn share_a_folder(scene: &SceneArgs, output: &Path) -> bool {
-    let input = if scene.is_stdin() {
-        Path::new("")
-    } else {
-        &scene.scene
-    };
-    is_same(folder_of(input), folder_of(output))
+    is_same(folder_of(scene.place()), folder_of(output))
 }

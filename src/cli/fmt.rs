@@ -16,7 +16,7 @@ use super::{
     interrupt,
     line_diff::LineDiff,
     paths::{PathArgs, is_dash},
-    scene,
+    scene::{self, StdinArgs},
 };
 
 /// Format scene files; comments are kept. `-` formats standard input to standard output
@@ -36,6 +36,8 @@ pub(crate) struct Args {
     /// Syntax of files with another extension
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
+    #[command(flatten)]
+    stdin: StdinArgs,
 }
 
 /// Prints the changes to a file in the format of `patch`. The document is dropped first: its tree
@@ -62,7 +64,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let paths = args.paths.all()?;
     for paths in paths.chunk_by(|one, other| is_dash(one) == is_dash(other)) {
         if paths.first().is_some_and(|path| is_dash(path)) {
-            let document = scene::read_stdin(&options)?;
+            let document = args.stdin.read(options.clone(), args.input_format)?;
             worst = Failure::worst(worst, format(&args, document, None, &cancel));
             continue;
         }

@@ -38,6 +38,7 @@ mod scene;
 mod schema;
 mod set;
 mod status;
+mod suggest;
 mod timings;
 mod validate;
 mod watch;
@@ -52,14 +53,10 @@ use std::{
     time::Instant,
 };
 
-use clap::{
-    Parser, Subcommand, ValueEnum,
-    builder::StyledStr,
-    error::{ContextKind, ContextValue},
-};
+use clap::{Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 use strahl::{
-    Error, ErrorKind, Syntax,
+    Error, ErrorKind,
     text::{Stamp, Stamped, sanitize},
 };
 
@@ -226,7 +223,7 @@ pub(crate) fn run() -> ExitCode {
             printed.map_err(Failure::stdout)
         }
         Err(mut error) => {
-            suggest_render(&mut error);
+            suggest::improve(&mut error);
             print_usage(&error);
             return ExitCode::from(2);
         }
@@ -236,20 +233,6 @@ pub(crate) fn run() -> ExitCode {
     };
     failure.print();
     ExitCode::from(failure.status())
-}
-
-/// Suggests the command that draws a scene, if a scene was given in place of a command.
-fn suggest_render(error: &mut clap::Error) {
-    let invalid = error.get(ContextKind::InvalidSubcommand);
-    if let Some(ContextValue::String(name)) = invalid
-        && Syntax::of_path(Path::new(name)).is_some()
-    {
-        let render = StyledStr::from(format!("to render a scene, use 'strahl render {name}'"));
-        error.insert(
-            ContextKind::Suggested,
-            ContextValue::StyledStrs(vec![render]),
-        );
-    }
 }
 
 /// Prints the error in the arguments; without colors if one of them contains escape sequences of

@@ -24,7 +24,7 @@ use super::{
     Failure,
     config::ConfigArgs,
     fit::FitArgs,
-    paths::is_dash,
+    paths::{folder_of, is_dash},
     set::{self, SetArgs},
     words::one_of,
 };
@@ -45,6 +45,43 @@ pub(super) struct SceneArgs {
     /// `{`, otherwise RON
     #[arg(long, value_name = "SYNTAX", value_parser = syntaxes())]
     pub(super) input_format: Option<Syntax>,
+    #[command(flatten)]
+    pub(super) stdin: StdinArgs,
+}
+
+/// The file that standard input stands for.
+#[derive(Clone, Default, clap::Args)]
+#[group(skip)]
+pub(super) struct StdinArgs {
+    /// The name of standard input, which need not be a file: it determines the syntax, the folder of
+    /// tables and parts, and the strahl.toml
+    #[arg(long, value_name = "FILE")]
+    stdin_filename: Option<PathBuf>,
+}
+
+impl StdinArgs {
+    /// Returns the file that standard input stands for, `-` for none.
+    pub(super) fn path(&self) -> &Path {
+        self.stdin_filename.as_deref().unwrap_or(Path::new("-"))
+    }
+
+    /// Reads a scene from standard input.
+    pub(super) fn read(
+        &self,
+        options: ReadOptions,
+        syntax: Option<Syntax>,
+    ) -> Result<Document, Error> {
+        let (name, options) = match &self.stdin_filename {
+            Some(path) => {
+                let options = options.folder(folder_of(path));
+                let syntax = syntax.or_else(|| Syntax::of_path(path));
+                (path.display().to_string(), options.syntax(syntax))
+            }
+            None => (STDIN.to_owned(), options.syntax(syntax)),
+        };
+        Document::from_reader(&*name, io::stdin().lock(), &options)
+            .map_err(|error| Error::reading_failed(STDIN, error))
+    }
 }
 
 /// The tables and parts that a scene may name.
@@ -87,7 +124,7 @@ pub(super) struct InputArgs {
 impl InputArgs {
     /// Reads and checks the scene, and prints its faults; fails if it has errors.
     pub(super) fn read(&self, threads: usize, quiet: bool) -> Result<Document, Failure> {
-        let config = self.config.configs().of(&self.scene.scene)?;
+        let config = self.config.configs().of(self.scene.place())?;
         let options = self.tables.options(&config).keep_text(false);
         let options = self.fit.of(self.set.of(options.threads(threads)));
         let document = self.scene.read(options)?;
@@ -123,9 +160,16 @@ impl SceneArgs {
         is_dash(&self.scene)
     }
 
+    /// Returns the file that the scene is, or that standard input stands for.
+    pub(super) fn place(&self) -> &Path {
+        match self.is_stdin() {
+            true => self.stdin.path(),
+            false => &self.scene,
+        }
+    }
+
     /// Reads and checks the scene.
     pub(super) fn read(&self, options: ReadOptions) -> Result<Document, Failure> {
-        let options = options.syntax(self.input_format);
         if self.is_stdin() {
             if io::stdin().is_terminal() {
                 // Someone who forgot the pipe would wait forever.
@@ -134,16 +178,11 @@ impl SceneArgs {
                     "reading a scene from the terminal; end it with Ctrl-D"
                 );
             }
-            return Ok(read_stdin(&options)?);
+            return Ok(self.stdin.read(options, self.input_format)?);
         }
+        let options = options.syntax(self.input_format);
         Ok(Document::from_path_with(&self.scene, &options)?)
     }
-}
-
-/// Reads a scene from standard input.
-pub(super) fn read_stdin(options: &ReadOptions) -> Result<Document, Error> {
-    Document::from_reader(STDIN, io::stdin().lock(), options)
-        .map_err(|error| Error::reading_failed(STDIN, error))
 }
 
 /// Prints the diagnostics of a scene on standard error; fails if it has errors.
@@ -187,6 +226,7 @@ pub(super) fn print_findings_with(
 pub(super) fn findings(document: &Document) -> FileReport<'_> {
     FileReport {
         file: document.name(),
+        path: document.path(),
         text: document.text(),
         diagnostics: document.diagnostics(),
         suppressed: document.suppressed(),

@@ -29,7 +29,7 @@ use super::{
     paths::{PathArgs, is_dash},
     render::source::{RowFaults, faults_of_row},
     rounds::WatchedFiles,
-    scene::{self, ThreadArgs},
+    scene::{self, StdinArgs, ThreadArgs},
     set::{self, SetArgs},
     words::one_of,
 };
@@ -53,6 +53,8 @@ pub(crate) struct Args {
     /// Syntax of files with another extension
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
+    #[command(flatten)]
+    stdin: StdinArgs,
     #[command(flatten)]
     threads: ThreadArgs,
     #[command(flatten)]
@@ -227,8 +229,10 @@ impl<'a> Run<'a> {
             let message = "`--fix` cannot write standard input; use `--diff`";
             return Err(Failure::usage(message));
         }
-        let options = self.options(&*configs.of("-")?);
-        self.report(scene::read_stdin(&options)?)
+        let stdin = &self.args.stdin;
+        let options = self.options(&*configs.of(stdin.path())?);
+        let document = stdin.read(options, self.args.input_format)?;
+        self.report(document)
     }
 
     /// Returns true if a scene is to be checked at the end: if it lacks a camera, which a part does not

@@ -111,17 +111,39 @@ impl Drop for Target<'_> {
     }
 }
 
-/// Writes a file whole or not at all, as pictures are written.
+/// Writes a file whole or not at all, as pictures are written. A file with several hard links is
+/// written in its place instead, so that all of them lead to the new content.
 ///
 /// # Errors
 ///
 /// Fails if the file cannot be written.
 pub fn write_file(path: impl AsRef<Path>, content: &[u8], cancel: &Cancel) -> Result<(), Error> {
     let path = path.as_ref();
+    if let Some(place) = linked(path) {
+        cancel.check()?;
+        return fs::write(place, content).map_err(|error| Error::unwritable(path, error));
+    }
     let mut target = Target::create(path, cancel)?;
     let written = target.output().write_all(content);
     written.map_err(|error| Error::unwritable(path, error))?;
     target.finish()
+}
+
+/// Returns the place of a regular file that has several hard links.
+fn linked(path: &Path) -> Option<PathBuf> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+
+        let place = follow_links(path).ok()?;
+        let found = fs::metadata(&place).ok()?;
+        (found.is_file() && found.nlink() > 1).then_some(place)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        None
+    }
 }
 
 /// The destination at the end of a path.

@@ -16,6 +16,7 @@ mod summary;
 
 use std::{
     io::{self, Write},
+    path::Path,
     time::Duration,
 };
 
@@ -37,7 +38,7 @@ use crate::{
 /// assert_eq!(strahl::report::file_uri("scenes/a b.ron"), "scenes/a%20b.ron");
 /// ```
 pub fn file_uri(path: &str) -> String {
-    sarif::uri::of_file(path, cfg!(windows))
+    sarif::uri::of_bytes(path.as_bytes(), cfg!(windows))
 }
 
 named! {
@@ -87,6 +88,8 @@ impl Default for Style {
 pub struct FileReport<'a> {
     /// The file name as given; `<stdin>` for standard input.
     pub file: &'a str,
+    /// The path of the file, if its name is not text: URIs hold its bytes.
+    pub path: Option<&'a Path>,
     /// The text that the ranges of the diagnostics refer to; empty if it could not be read.
     pub text: &'a str,
     /// The number of lines before the text, if the text is a part of the file.

@@ -78,7 +78,9 @@ impl<W: Write> Report for Sarif<W> {
         self.not_listed.errors += report.suppressed.errors;
         self.not_listed.warnings += report.suppressed.warnings;
         let lines = report.lines();
-        let uri = uri::of_file(report.file, cfg!(windows));
+        let bytes = report.path.map(|path| path.as_os_str().as_encoded_bytes());
+        let bytes = bytes.unwrap_or(report.file.as_bytes());
+        let uri = uri::of_bytes(bytes, cfg!(windows));
         for diagnostic in report.diagnostics {
             let finding = Finding::new(&uri, &lines, diagnostic);
             self.results.item(&mut self.out, &finding)?;

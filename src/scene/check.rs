@@ -21,7 +21,7 @@ use crate::{
         meshes, nested,
         options::ReadOptions,
         part::Needs,
-        problem::{Focus, Problem, Tally, syntax_fault},
+        problem::{Focus, Problem, Tally},
         read::{self, LARGE},
         recognize::Recognizer,
         recover::{self, Recovered, Repairs},
@@ -246,7 +246,9 @@ pub(super) fn check(
         return Checked::refused(vec![Diagnostic::new(Code::Syntax, range, message)]);
     }
     if !tree.faults().is_empty() {
-        return Checked::refused(tree.faults().iter().map(syntax_fault).collect());
+        let faults = tree.faults().iter();
+        let faults = faults.map(|fault| recover::nameless::fault(text, tree, fault));
+        return Checked::refused(faults.collect());
     }
     let Recovered {
         model,
@@ -271,8 +273,13 @@ pub(super) fn check(
         let materials = Path::ROOT.field("materials");
         let is_lost = locator.range(&materials, Focus::Key).is_some()
             && locator.range(&materials, Focus::Value).is_none();
+        let lights = Path::ROOT.field("lights");
         let problems = problems.filter(|problem| match problem.code() {
             Code::NothingVisible | Code::CannotFit => false,
+            // A light that is not read may shine.
+            Code::Unlit | Code::DimLight => {
+                !diagnostics.iter().any(|fault| fault.path.is_in(&lights))
+            }
             Code::EmptyScene => !loses_a_group(&found.model, &locator),
             Code::UnknownName => !is_lost,
             // Stand-ins may be equal, which says nothing of what they stand for.

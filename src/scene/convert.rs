@@ -20,6 +20,8 @@ pub struct Converted {
     pub lost: Option<LostComments>,
     /// Everything else that was dropped, one sentence each.
     pub dropped: Vec<String>,
+    /// The reason why the text is not a scene: JSON has more brackets in each other than RON.
+    pub(crate) fault: Option<String>,
 }
 
 /// The comments that a scene loses in a conversion.
@@ -60,11 +62,12 @@ pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
         dropped.push("`$schema`: RON does not support it".to_owned());
     }
     let text = short(&model, syntax);
-    let text = print::format(&text, &parse(&text, syntax));
+    let tree = parse(&text, syntax);
     Converted {
-        text,
+        text: print::format(&text, &tree),
         lost: None,
         dropped,
+        fault: tree.faults().first().map(|fault| fault.message.clone()),
     }
 }
 

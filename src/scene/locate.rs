@@ -110,9 +110,21 @@ impl<'a> Locator<'a> {
     /// Returns the fix of a problem as an edit, unless a comment would be lost.
     pub(crate) fn fix(&self, problem: &Problem) -> Option<Fix> {
         let cure = problem.cure.as_ref()?;
+        if let Cure::Exchange(pairs) = cure {
+            let mut edits = Vec::new();
+            for pair in pairs {
+                let [one, other] = pair.each_ref().map(|path| self.range(path, Focus::Value));
+                let (one, other) = (one?, other?);
+                let source = |range: &Range<usize>| self.text.get(range.clone());
+                edits.push(Edit::replace(one.clone(), source(&other)?));
+                edits.push(Edit::replace(other.clone(), source(&one)?));
+            }
+            edits.sort_by_key(|edit| edit.range.start);
+            return Some(Fix::safe(edits));
+        }
         let path = match cure {
             Cure::WriteAround(_) => &problem.diagnostic.path.parent(),
-            Cure::Write(_) | Cure::Remove => &problem.diagnostic.path,
+            Cure::Write(_) | Cure::Remove | Cure::Exchange(_) => &problem.diagnostic.path,
         };
         let focus = match problem.focus {
             Focus::Content => Focus::Content,
@@ -120,6 +132,7 @@ impl<'a> Locator<'a> {
         };
         let range = self.range(path, focus)?;
         let edit = match cure {
+            Cure::Exchange(_) => return None,
             Cure::Remove => removal(self.text, self.tree, range)?,
             Cure::Write(text) | Cure::WriteAround(text) => {
                 if !self.tree.comments_in(range.clone()).is_empty() {

@@ -306,8 +306,9 @@ impl Place<'_> {
             let problem = Problem::new(Code::UnusedDefault, place, Focus::Value, message);
             problems.push(problem.help(match format {
                 Format::Npy if named.columns.is_none() => format!(
-                    "columns of an array are {order} in this order, without alpha; name them by \
-                     `columns`, or leave `{field}` out here if that is what the array holds"
+                    "columns of an array are {order} in this order, without alpha; name others, such \
+                     as `columns: [\"x\", \"y\", \"z\", \"value\"]`, or leave `{field}` out here if \
+                     the array holds it"
                 ),
                 _ => {
                     format!("leave `{field}` out here, or remove it from the table")

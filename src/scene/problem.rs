@@ -79,6 +79,8 @@ pub(crate) enum Cure {
     WriteAround(String),
     /// Removes the value.
     Remove,
+    /// Exchanges the values of each pair.
+    Exchange(Vec<[Path; 2]>),
 }
 
 /// A [`Diagnostic`] that is not yet located in the text: in place of ranges it has paths.

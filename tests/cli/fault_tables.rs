@@ -39,7 +39,7 @@ pub(crate) const RANGES_RON: &[Fault] = &[
     ),
     ("width: 32", "width: -1", &["[out-of-range]"]),
     ("width: 32", "width: 640.5", &["[wrong-type]"]),
-    ("width: 32", "width: 640.0", &["[wrong-type]"]),
+    ("width: 32", "width: 640.5", &["[wrong-type]"]),
 ];
 
 pub(crate) const NUMBERS_RON: &[Fault] = &[

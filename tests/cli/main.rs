@@ -55,6 +55,7 @@ mod signals;
 #[cfg(unix)]
 mod terminal;
 #[cfg(unix)]
+mod typed;
 mod validate_watch;
 #[cfg(unix)]
 mod watch;

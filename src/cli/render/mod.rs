@@ -36,7 +36,7 @@ use super::{
     paths::PathArgs,
     picture::PictureArgs,
     progress::{Progress, When},
-    scene::{self, SceneArgs, ThreadArgs},
+    scene::{self, SceneArgs, StdinArgs, ThreadArgs},
     set::SetArgs,
     timings::{self, Work},
     words::one_of,
@@ -102,6 +102,8 @@ pub(crate) struct DrawArgs {
     #[arg(help_heading = "Scene", long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
     #[command(flatten, next_help_heading = "Scene")]
+    stdin: StdinArgs,
+    #[command(flatten, next_help_heading = "Scene")]
     tables: scene::TableArgs,
     #[command(flatten, next_help_heading = "Scene")]
     pub(crate) config: ConfigArgs,
@@ -151,13 +153,14 @@ impl DrawArgs {
         configs: &Configs,
         with: impl FnOnce(ReadOptions) -> ReadOptions,
     ) -> Result<Document, Failure> {
-        let config = configs.of(scene)?;
-        let options = self.tables.options(&config).threads(self.threads());
-        let options = with(options.keep_text(false));
         let scene = SceneArgs {
             scene: scene.to_owned(),
             input_format: self.input_format,
+            stdin: self.stdin.clone(),
         };
+        let config = configs.of(scene.place())?;
+        let options = self.tables.options(&config).threads(self.threads());
+        let options = with(options.keep_text(false));
         let options = self.fit.of(self.additions.of(self.set.of(options)));
         let document = scene.read(options)?;
         self.additions.check(&scene.scene, &document)?;
@@ -279,6 +282,16 @@ impl Drawing {
     }
 }
 
+/// Extensions of movies that are not written here, but that `ffmpeg` makes of one from standard input,
+/// with its options.
+const BY_FFMPEG: [(&str, &str); 5] = [
+    ("gif", ""),
+    ("mkv", ""),
+    ("mov", "-pix_fmt yuv420p "),
+    ("mp4", "-pix_fmt yuv420p "),
+    ("webm", ""),
+];
+
 /// Returns the format of a picture by its extension. The error lists the movie formats among the
 /// known ones.
 fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
@@ -287,7 +300,18 @@ fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
             .iter()
             .map(|format| format!(".{}", format.name()));
         let movies: Vec<_> = movies.collect();
-        Failure::usage(format!("{error}, for movies {}", movies.join(" and ")))
+        let ending = path.extension().unwrap_or_default();
+        let mut made = BY_FFMPEG.iter();
+        let pipe = made.find(|(name, _)| ending.eq_ignore_ascii_case(name));
+        let pipe = pipe.map_or_else(String::new, |(_, options)| {
+            format!(
+                "; ffmpeg makes such a file: `strahl render SCENE -o - --image-format y4m | \
+                 ffmpeg -i - {options}{}`",
+                path.display()
+            )
+        });
+        let movies = movies.join(" and ");
+        Failure::usage(format!("{error}, for movies {movies}{pipe}"))
     })
 }
 

@@ -5,33 +5,47 @@ use std::fmt::Write as _;
 /// Converts a file name. A relative name stays relative: readers of the log know its base.
 ///
 /// Standard input has no URI; its name becomes `%3Cstdin%3E`, which viewers show as `<stdin>`. With
-/// `windows`, a backslash is a separator and a drive or a share may come first.
-pub(in crate::report) fn of_file(file: &str, windows: bool) -> String {
-    let slashed = if windows {
-        file.replace('\\', "/")
-    } else {
-        file.to_owned()
-    };
+/// `windows`, a backslash is a separator and a drive or a share may come first. A name need not be
+/// UTF-8.
+pub(in crate::report) fn of_bytes(file: &[u8], windows: bool) -> String {
+    let slashed: Vec<_> = file
+        .iter()
+        .map(|byte| {
+            if windows && *byte == b'\\' {
+                b'/'
+            } else {
+                *byte
+            }
+        })
+        .collect();
     let mut uri = String::with_capacity(slashed.len());
-    let path = if let Some(share) = slashed.strip_prefix("//").filter(|_| windows) {
-        uri.push_str("file://");
-        share
-    } else if windows && has_drive(&slashed) {
-        let (drive, path) = slashed.split_at(2);
-        uri.push_str("file:///");
-        uri.push_str(drive);
-        path
-    } else if slashed.starts_with('/') {
-        uri.push_str("file://");
-        &slashed
-    } else {
-        let mut path = slashed.as_str();
-        while let Some(rest) = path.strip_prefix("./") {
-            path = rest.trim_start_matches('/');
+    let path = match &*slashed {
+        [b'/', b'/', share @ ..] if windows => {
+            uri.push_str("file://");
+            share
         }
-        path
+        // `C:name` is relative to a folder that no URI can name.
+        [letter, b':', path @ ..]
+            if windows && letter.is_ascii_alphabetic() && path.starts_with(b"/") =>
+        {
+            uri.push_str("file:///");
+            uri.extend([char::from(*letter), ':']);
+            path
+        }
+        [b'/', ..] => {
+            uri.push_str("file://");
+            &slashed
+        }
+        _ => {
+            let mut path = &*slashed;
+            while let Some(rest) = path.strip_prefix(b"./") {
+                let slashes = rest.iter().take_while(|byte| **byte == b'/').count();
+                path = rest.get(slashes..).unwrap_or_default();
+            }
+            path
+        }
     };
-    for byte in path.bytes() {
+    for byte in path.iter().copied() {
         // A colon is escaped too: in the first segment it would end a scheme.
         if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
             uri.push(char::from(byte));
@@ -43,14 +57,13 @@ pub(in crate::report) fn of_file(file: &str, windows: bool) -> String {
     uri
 }
 
-/// Returns true if a name starts with `C:/`. `C:name` is relative to a folder that no URI can name.
-fn has_drive(file: &str) -> bool {
-    matches!(file.as_bytes(), [letter, b':', b'/', ..] if letter.is_ascii_alphabetic())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::of_file;
+    use super::of_bytes;
+
+    fn of_file(file: &str, windows: bool) -> String {
+        of_bytes(file.as_bytes(), windows)
+    }
 
     #[test]
     fn relative_names() {
@@ -61,6 +74,12 @@ mod tests {
         assert_eq!(of_file("a\\b.ron", false), "a%5Cb.ron");
         assert_eq!(of_file("a\\b.ron", true), "a/b.ron");
         assert_eq!(of_file("<stdin>", false), "%3Cstdin%3E");
+    }
+
+    #[test]
+    fn names_that_are_not_text() {
+        assert_eq!(of_bytes(b"caf\xe9/a.ron", false), "caf%E9/a.ron");
+        assert_eq!(of_bytes(b"/\xff", false), "file:///%FF");
     }
 
     #[test]

@@ -6,7 +6,11 @@ mod text;
 
 pub use self::parts::Dependency;
 
-use std::{io, iter, path::Path as FilePath, sync::Arc};
+use std::{
+    io, iter,
+    path::{Path as FilePath, PathBuf},
+    sync::Arc,
+};
 
 use crate::{
     diagnostic::{
@@ -47,6 +51,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Document {
     name: String,
+    path: Option<PathBuf>,
     source: Arc<Source>,
     is_text: bool,
     options: ReadOptions,
@@ -93,7 +98,10 @@ impl Document {
         let loaded = Loaded::from_content(content, length, syntax, &options, &watch);
         let loaded = loaded.map_err(|error| Error::unreadable(path, error))?;
         let name = path.display().to_string();
-        let document = Self::new(name, loaded, options, timings.clone());
+        let document = Self {
+            path: unnamed(path),
+            ..Self::new(name, loaded, options, timings.clone())
+        };
         document.unless_cancelled().map_err(|error| error.at(path))
     }
 
@@ -141,6 +149,7 @@ impl Document {
         } = loaded;
         Self {
             name,
+            path: None,
             source: source.into(),
             is_text,
             options,
@@ -153,6 +162,7 @@ impl Document {
     pub(crate) fn unreadable(path: &FilePath, error: &Error) -> Self {
         Self {
             name: path.display().to_string(),
+            path: unnamed(path),
             source: Source::new(String::new(), Syntax::of_path(path).unwrap_or(Syntax::Ron)).into(),
             is_text: false,
             options: ReadOptions::new(),
@@ -227,6 +237,7 @@ impl Document {
     pub fn findings(&self) -> Self {
         Self {
             name: self.name.clone(),
+            path: self.path.clone(),
             source: Arc::clone(&self.source),
             is_text: self.is_text,
             options: self.options.clone(),
@@ -252,6 +263,11 @@ impl Document {
     /// Returns the name of the file in reports.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Returns the path of the file if it is not UTF-8, so that the name differs from it.
+    pub fn path(&self) -> Option<&FilePath> {
+        self.path.as_deref()
     }
 
     /// Returns the text. It ends soon after the first place that is not text, and is empty for a
@@ -337,14 +353,16 @@ impl Document {
     ///
     /// # Errors
     ///
-    /// Fails if the scene has errors.
+    /// Fails if the scene has errors, or is nested too deep for the syntax.
     pub fn convert(self, syntax: Syntax) -> Result<Converted, Error> {
         let lost = LostComments::of(self.text(), self.source.tree());
+        let name = self.name.clone();
         let (model, _) = self.into_model()?;
-        Ok(Converted {
-            lost,
-            ..convert::convert(model, syntax)
-        })
+        let converted = convert::convert(model, syntax);
+        match converted.fault {
+            Some(fault) => Err(Error::new(ErrorKind::Usage, fault).at(FilePath::new(&name))),
+            None => Ok(Converted { lost, ..converted }),
+        }
     }
 
     /// Returns the names of the scene's `cameras`, in the order of the file; none if the scene has
@@ -443,4 +461,9 @@ impl Document {
         let texts: Vec<_> = of_file.chain(of_settings).chain(of_parts).collect();
         plain::listing(&texts)
     }
+}
+
+/// Returns a path whose name in reports is not its own.
+fn unnamed(path: &FilePath) -> Option<PathBuf> {
+    path.to_str().is_none().then(|| path.to_owned())
 }

@@ -9,6 +9,7 @@ pub(crate) mod camera;
 pub(crate) mod cameras;
 pub(crate) mod color;
 pub(crate) mod color_by;
+pub(crate) mod color_names;
 pub(crate) mod field;
 pub(crate) mod fit;
 pub mod geometry;

@@ -16,6 +16,8 @@ mod access;
 mod describe;
 mod entries;
 pub(crate) mod fix;
+mod foreign;
+pub(crate) mod nameless;
 mod reader;
 mod variant;
 

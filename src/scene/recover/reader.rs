@@ -14,13 +14,17 @@ use crate::{
         access::{Elements, fields, given_fields, stand_ins},
         entries::entries,
         fix::{Wants, respelt},
+        foreign,
         variant::{Variant, has_fields},
     },
     text::{
         nearest::quote,
-        syntax::{Kind, NodeId, NumberError, Syntax, float, integer, name, string},
+        syntax::{Kind, NodeId, NumberError, Syntax, float, name, string, whole},
     },
 };
+
+/// The fields of a rotation.
+const ROTATION: [&str; 2] = ["axis", "angle"];
 
 /// The source of a value.
 pub(super) enum Value {
@@ -107,6 +111,10 @@ impl<'a> Reader<'a, '_> {
         let source = self.document.source(id);
         let node = self.document.tree.node(id);
         let named = node.name().map(|range| self.document.slice(range));
+        if let Some((help, fix)) = foreign::advice(self.document, id, wants) {
+            let diagnostic = self.document.wrong_type(id, &self.path, expected);
+            return diagnostic.with_help(help).with_fix(fix);
+        }
         let fix = respelt(self.document, id, wants);
         let help = match (node.kind(), named, wants) {
             (Kind::Tuple | Kind::Struct | Kind::Unit, Some("Some"), _) => {
@@ -151,7 +159,7 @@ impl<'a> Reader<'a, '_> {
         let Some((id, source)) = self.number(EXPECTED) else {
             return self.integer_stand_in();
         };
-        match integer(source, self.syntax()) {
+        match whole(source, self.syntax()) {
             Ok(number) if !number.fits_its_suffix() => u32::MAX,
             Ok(number) => number.value.try_into().unwrap_or(u32::MAX),
             Err(NumberError::OutOfRange) => u32::MAX,
@@ -407,6 +415,11 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                 let json = "this looks like JSON: give the file the extension `.json`, or \
                             convert it";
                 diagnostic.help = Some(json.to_owned());
+            }
+            if known == ROTATION
+                && let Some((help, fix)) = foreign::rotation(document, id)
+            {
+                diagnostic = diagnostic.with_help(help).with_fix(fix);
             }
             document.replace(id, diagnostic);
             return visitor.visit_map(fields(document, path, stand_ins(known)));

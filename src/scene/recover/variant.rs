@@ -7,17 +7,18 @@ use serde::de::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, path::Trail},
+    diagnostic::{Code, Diagnostic, Fix, path::Trail},
     scene::{
         format::geometry::solid::{OPERANDS, SOLIDS},
         recover::{
             Text,
             access::{Elements, fields, given_fields, stand_ins},
-            fix,
+            fix, foreign, nameless,
             reader::Fault,
         },
     },
     text::{
+        edit::Edit,
         nearest::{list, nearest, quote},
         syntax::{Kind, NodeId, Syntax, name, string},
     },
@@ -201,6 +202,9 @@ fn no_variant(
     let first = variants.first().copied().unwrap_or_default();
     let diagnostic = document.wrong_type(id, path, expected);
     let kind = document.tree.node(id).kind();
+    if let Some((help, fix)) = foreign::tagged(document, id, variants) {
+        return diagnostic.with_help(help).with_fix(fix);
+    }
     match document.tree.syntax() {
         Syntax::Ron if kind == Kind::String => {
             let text = document.source(id);
@@ -214,19 +218,33 @@ fn no_variant(
             }
         }
         Syntax::Ron if matches!(kind, Kind::Struct | Kind::Tuple | Kind::Unit) => {
-            diagnostic.with_help(format!("write its name before the bracket: `{first}(…)`"))
+            let (meant, fix) = match foreign::unnamed(document, id, variants) {
+                Some(meant) => {
+                    let start = document.tree.node(id).range().start;
+                    (meant, Some(Fix::safe([Edit::insert(start, meant)])))
+                }
+                None => (first, None),
+            };
+            let help = format!("write its name before the bracket: `{meant}(…)`");
+            diagnostic.with_help(help).with_fix(fix)
         }
         Syntax::Json if kind == Kind::Map => {
-            let mut keys = document
-                .tree
-                .fields(id)
-                .map(|(key, _)| document.source(key));
-            let given = keys.find_map(|key| {
-                variants
-                    .iter()
-                    .find(|variant| key.trim_matches('"') == **variant)
-            });
-            let name = given.unwrap_or(&first);
+            let keys = document.tree.fields(id);
+            let keys: Vec<_> = keys.map(|(key, _)| document.source(key)).collect();
+            let is = |key: &str, variant: &str| key.trim_matches('"') == variant;
+            let given = variants
+                .iter()
+                .find(|variant| keys.iter().any(|key| is(key, variant)));
+            if let (Some(name), Some(other)) = (
+                given,
+                keys.iter()
+                    .find(|key| !variants.iter().any(|variant| is(key, variant))),
+            ) {
+                let help = format!("write `{other}` into the object of `{name}`");
+                return diagnostic.with_help(help);
+            }
+            let meant = foreign::unnamed(document, id, variants);
+            let name = given.copied().or(meant).unwrap_or(first);
             diagnostic.with_help(format!(
                 "a variant is an object with one key, its name: `{{\"{name}\": {{…}}}}`"
             ))
@@ -372,6 +390,16 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
                 .with_help(with_fields(document.tree.syntax(), name, known));
             // A name alone lacks its brackets.
             diagnostic.fix = body.is_none().then(|| fix::opened(document, place, name));
+            let (text, tree) = (document.text, document.tree);
+            let values: Vec<_> = match (tree.syntax(), body) {
+                (Syntax::Ron, Some(body)) => tree.children(body).collect(),
+                (Syntax::Json, body) => body.into_iter().collect(),
+                (Syntax::Ron, None) => Vec::new(),
+            };
+            if let Some(names) = nameless::names(text, tree, name, Some(known), &values) {
+                diagnostic =
+                    nameless::with_names(diagnostic, text, tree, Some(name), &values, &names);
+            }
             document.replace(whole, diagnostic);
             return visitor.visit_map(fields(document, path, stand_ins(known)));
         };

@@ -6,3 +6,4 @@ pub(crate) mod oracle;
 mod printed;
 mod spelling;
 mod strict;
+mod typed;

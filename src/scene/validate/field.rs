@@ -8,6 +8,7 @@ use crate::{
     scene::{
         format::{
             color::ColorModel,
+            color_names,
             field::{Field, Interval, Kind, Range, Triple, Value},
         },
         problem::{Cure, Focus, Problem},
@@ -176,12 +177,20 @@ fn invalid_color(text: &str, path: Path) -> Problem {
     let digits = text.strip_prefix('#').unwrap_or(text);
     let hex = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
     let is_bare = hex && matches!(digits.len(), 3 | 6);
-    let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message)
-        .cure(is_bare.then(|| Cure::Write(format!("\"#{digits}\""))));
-    problem.help(match digits.len() {
-        8 if hex => format!("a color has no alpha: write `#{}`", &digits[..6]),
-        4 if hex => format!("a color has no alpha: write `#{}`", &digits[..3]),
-        3 | 6 if hex => format!("write `#{digits}`"),
+    let meant = match color_names::of_css(text).map(color_names::hex) {
+        None if is_bare => Some(format!("#{digits}")),
+        meant => meant,
+    };
+    let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message).cure(
+        meant
+            .as_ref()
+            .map(|meant| Cure::Write(format!("\"{meant}\""))),
+    );
+    problem.help(match (digits.len(), meant) {
+        (_, Some(meant)) if is_bare => format!("write `{meant}`"),
+        (_, Some(meant)) => format!("did you mean `{meant}`?"),
+        (8, _) if hex => format!("a color has no alpha: write `#{}`", &digits[..6]),
+        (4, _) if hex => format!("a color has no alpha: write `#{}`", &digits[..3]),
         _ if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphabetic()) => {
             "color names are not supported; write `#rrggbb`, `#rgb` or three numbers in 0..1"
                 .to_owned()

@@ -38,7 +38,11 @@ impl Found {
             for (other, label) in clash.others {
                 problem = problem.label(other.path(&path), Focus::Value, label);
             }
-            self.push(problem.help(clash.help));
+            let exchanged = clash.exchanged.iter();
+            let exchanged = exchanged.map(|pair| pair.each_ref().map(|place| place.path(&path)));
+            let exchanged: Vec<_> = exchanged.collect();
+            let cure = (!exchanged.is_empty()).then_some(Cure::Exchange(exchanged));
+            self.push(problem.help(clash.help).cure(cure));
         }
         if let Some(transform) = geometry.transform() {
             self.transform(transform, &path().field("transform"));

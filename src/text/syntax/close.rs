@@ -35,8 +35,6 @@ impl Parser<'_> {
     /// end here.
     pub(crate) fn close_unclosed(&mut self, depth: usize) {
         if let Some(innermost) = self.frames.last().copied() {
-            let found = self.found(self.token);
-            let message = format!("expected `{}`, found {found}", innermost.closer());
             let missing: String = self
                 .frames
                 .get(depth..)
@@ -46,13 +44,7 @@ impl Parser<'_> {
                 .take(16)
                 .map(Frame::closer)
                 .collect();
-            let help = format!("add `{missing}` before it");
-            self.lexer.faults.add_labelled(
-                self.place(self.token),
-                message,
-                help,
-                Some((innermost.opener(), "opened here")),
-            );
+            self.unclosed(innermost, self.token, &missing);
         }
         while self.frames.len() > depth {
             self.finish(self.previous_end);
@@ -169,7 +161,7 @@ impl Parser<'_> {
     /// Returns true if the brackets on the rest of the line balance better when the current token
     /// closes an outer container opened on this line than when it is a mistyped closing bracket of
     /// the innermost.
-    fn closes_two(&self, bracket: Bracket) -> bool {
+    pub(crate) fn closes_two(&self, bracket: Bracket) -> bool {
         let rest = self.lexer.text.get(self.token.end as usize..).unwrap_or("");
         // The scan is limited: in a file on a single line, each misplaced bracket would scan all of
         // it.
@@ -260,22 +252,18 @@ impl Parser<'_> {
         let only_reopened = self.frames.iter().all(|frame| frame.reopened);
         match (self.suspect, self.frames.last().copied()) {
             _ if only_reopened || self.lexer.cut_off => {}
-            (Some(Suspect { frame, from }), Some(_)) if indented => {
-                let closer = frame.closer();
-                let message = match from.kind {
-                    TokenKind::Close(bracket) if bracket == frame.bracket => {
-                        format!("expected two `{closer}`, found one")
-                    }
-                    _ => format!("expected `{closer}`, found {}", self.found(from)),
-                };
-                let help = format!("add `{closer}` before it");
-                self.lexer.faults.add_labelled(
-                    from.range(),
-                    message,
-                    help,
-                    Some((frame.opener(), "opened here")),
-                );
-            }
+            (Some(Suspect { frame, from }), Some(_)) if indented => match from.kind {
+                TokenKind::Close(bracket) if bracket == frame.bracket => {
+                    let closer = frame.closer();
+                    self.lexer.faults.add_labelled(
+                        from.range(),
+                        format!("expected two `{closer}`, found one"),
+                        format!("add `{closer}` before it"),
+                        Some((frame.opener(), "opened here")),
+                    );
+                }
+                _ => self.unclosed(frame, from, &frame.closer().to_string()),
+            },
             (_, Some(innermost)) => {
                 let missing: String = self
                     .frames
@@ -284,22 +272,41 @@ impl Parser<'_> {
                     .take(16)
                     .map(Frame::closer)
                     .collect();
-                let message = format!(
-                    "expected `{}`, found {}",
-                    innermost.closer(),
-                    self.found(token)
-                );
-                let help = format!("add `{missing}`");
-                self.lexer.faults.add_labelled(
-                    self.place(token),
-                    message,
-                    help,
-                    Some((innermost.opener(), "opened here")),
-                );
+                self.unclosed(innermost, token, &missing);
             }
             (_, None) => {}
         }
         self.give_up()
+    }
+
+    /// Reports a bracket that a token shows to be unclosed: at the token, or at the bracket if it is on
+    /// an earlier line. `missing` are the closing brackets of all containers that end here.
+    fn unclosed(&mut self, frame: Frame, token: Token, missing: &str) {
+        let closer = frame.closer();
+        let is_bracket = matches!(self.lexer.slice(frame.opener()), "(" | "[" | "{");
+        let is_end = token.kind == TokenKind::End;
+        let (place, opener) = (self.place(token), frame.opener());
+        if frame.line == token.line || is_end || !is_bracket {
+            let found = self.found(token);
+            let before = if is_end { "" } else { " before it" };
+            self.lexer.faults.add_labelled(
+                place,
+                format!("expected `{closer}`, found {found}"),
+                format!("add `{missing}`{before}"),
+                Some((opener, "opened here")),
+            );
+            return;
+        }
+        if self.lexer.faults.ends_at(place.start) {
+            return;
+        }
+        let found = self.found(token);
+        self.lexer.faults.add_labelled(
+            opener,
+            format!("`{}` is not closed", frame.bracket.opener()),
+            format!("add `{missing}` before {found}"),
+            Some((place, "it must be closed before this")),
+        );
     }
 
     /// Closes all containers and stops.

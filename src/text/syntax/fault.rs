@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::tree::NodeId;
 use crate::text::edit::Edit;
 
 /// One syntax fault.
@@ -17,6 +18,8 @@ pub(crate) struct Fault {
     pub(crate) label: Option<(Range<usize>, String)>,
     /// The fix as edits, if it is certain.
     pub(crate) fix: Vec<Edit>,
+    /// The first value of a variant whose values lack the names of their fields, if that is the fault.
+    pub(crate) nameless: Option<NodeId>,
     /// The habit, if the fault occurs throughout the file.
     pub(super) habit: Option<Habit>,
 }
@@ -72,7 +75,7 @@ impl Faults {
         }
     }
 
-    /// Adds a fault, unless one at the same start is already recorded.
+    /// Adds a fault, unless the last one is about the same start.
     pub(crate) fn add(
         &mut self,
         range: Range<u32>,
@@ -89,13 +92,7 @@ impl Faults {
         help: String,
         label: Option<(Range<u32>, &str)>,
     ) -> Option<&mut Fault> {
-        if self.quiet
-            || self.list.len() >= self.max
-            || self
-                .list
-                .last()
-                .is_some_and(|last| last.range.start == range.start as usize)
-        {
+        if self.quiet || self.list.len() >= self.max || self.ends_at(range.start) {
             return None;
         }
         self.list.push(Fault {
@@ -104,9 +101,18 @@ impl Faults {
             help: (!help.is_empty()).then_some(help),
             label: label.map(|(r, l)| (r.start as usize..r.end as usize, l.to_owned())),
             fix: Vec::new(),
+            nameless: None,
             habit: None,
         });
         self.list.last_mut()
+    }
+
+    /// Returns true if the last fault or its label starts at an offset.
+    pub(crate) fn ends_at(&self, start: u32) -> bool {
+        self.list.last().is_some_and(|last| {
+            let label = last.label.as_ref().map(|(label, _)| label.start);
+            last.range.start == start as usize || label == Some(start as usize)
+        })
     }
 
     /// Adds a fault that occurs throughout the file once, and its fix at every occurrence.

@@ -48,6 +48,9 @@ impl Lexer<'_> {
             '#' if self.rest().starts_with("#!") => "attributes belong at the start of a file",
             '#' => "a color is a string: put it in quotes",
             '…' => "write every value out",
+            '/' | '*' if self.follows_value(start) => {
+                "arithmetic is not evaluated: write the value"
+            }
             '/' => "a comment starts with `//` or `/*`",
             '*' => "no comment is open here",
             _ => "remove it",
@@ -86,6 +89,12 @@ impl Lexer<'_> {
         );
         cure(fault, quoted);
         TokenKind::Unknown
+    }
+
+    /// Returns true if a number, a name or a closing bracket ends before an offset of this line.
+    fn follows_value(&self, at: usize) -> bool {
+        let before = self.rest_of(self.line, at).trim_end_matches(' ');
+        before.ends_with(|c: char| c.is_ascii_alphanumeric() || c == ')')
     }
 
     fn confusable(&mut self, c: char, ascii: u8, meant: &str) -> TokenKind {

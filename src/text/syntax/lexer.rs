@@ -248,9 +248,15 @@ impl<'t> Lexer<'t> {
         // Two values are never adjacent, so the number is the longest run of any of its characters.
         self.pos = self.run_end(start, true);
         let token = self.rest_of(start, self.pos);
+        if self.sees_operator() && self.arithmetic(start) {
+            return TokenKind::Unknown;
+        }
         if !is_plain(token)
             && let Err(help) = number::check(token, self.syntax)
         {
+            if self.arithmetic(start) {
+                return TokenKind::Unknown;
+            }
             self.cut_off = self.rest().is_empty();
             let message = format!("unreadable number `{}`", shorten(token));
             if !(self.syntax == Syntax::Json && self.faults.reported(Habit::Ron)) {

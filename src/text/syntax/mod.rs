@@ -8,14 +8,15 @@
 //! # Fault positions
 //!
 //! A fault is placed on the token found instead of the expected one: a missing comma on the first
-//! token of the next value, a missing closing bracket on the token before which it should be. At
-//! the end of the text it is the empty range after the last token. A fault inside a token (an
+//! token of the next value, a missing closing bracket on the token before which it should be, or on
+//! its opening bracket if that is on an earlier line. At the end of the text it is the empty range after the last token. A fault inside a token (an
 //! escape, a number) covers the part that is wrong. Two faults never start at the same byte, and
 //! faults are sorted by position.
 //!
 //! Habits of the other syntax (comments or unquoted keys in JSON, quoted field names in RON) are
 //! reported at their first occurrence only.
 
+mod arithmetic;
 mod attribute;
 mod close;
 mod confusables;
@@ -41,7 +42,7 @@ mod value;
 pub(crate) use decimal::Decimal;
 pub(crate) use fault::{Fault, max_faults};
 pub use language::Syntax;
-pub(crate) use number::{NumberError, float, integer};
+pub(crate) use number::{NumberError, float, whole};
 pub(crate) use text::{name, string};
 pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
 pub(crate) use trivia::{block_comment, line_comment};

@@ -101,6 +101,26 @@ pub(crate) fn integer(token: &str, syntax: Syntax) -> Result<Integer, NumberErro
     }
 }
 
+/// Parses a whole number: an integer, or a float without a fraction, as programs write it.
+///
+/// # Errors
+///
+/// See [`NumberError`].
+pub(crate) fn whole(token: &str, syntax: Syntax) -> Result<Integer, NumberError> {
+    match integer(token, syntax) {
+        Err(NumberError::OtherType) => {
+            let number = float(token, syntax)?;
+            let value = Integer {
+                value: number as i128,
+                suffix: None,
+            };
+            let is_whole = number.fract() == 0.0;
+            is_whole.then_some(value).ok_or(NumberError::OtherType)
+        }
+        other => other,
+    }
+}
+
 /// Checks that a token is a number; the error says what to write instead.
 pub(super) fn check(token: &str, syntax: Syntax) -> Result<(), &'static str> {
     if syntax == Syntax::Json {

@@ -95,6 +95,7 @@ impl<'t> Parser<'t> {
                 help: None,
                 label: None,
                 fix: Vec::new(),
+                nameless: None,
                 habit: None,
             }];
             return Tree {
@@ -245,9 +246,11 @@ impl<'t> Parser<'t> {
         if self.frames.len() >= MAX_DEPTH && !self.told_depth {
             self.told_depth = true;
             let message = format!("nested too deep: more than {MAX_DEPTH} open brackets");
-            self.lexer
-                .faults
-                .add(at.range(), message, "a scene needs fewer than ten");
+            self.lexer.faults.add(
+                at.range(),
+                message,
+                "nest less, or put what is inside into a file of its own",
+            );
         }
         if self.frames.len() >= MOST_FRAMES {
             self.ahead = None;

@@ -3,8 +3,9 @@
 
 use super::fault::cure;
 use super::frame::{Frame, Layout};
-use super::lexer::{Bracket, Token, TokenKind};
+use super::lexer::{Bracket, Token, TokenKind, shorten};
 use super::parser::{Parser, State};
+use super::tree::{Kind, NodeId};
 use super::value::{is_variant, starts_value};
 use crate::text::edit::Edit;
 
@@ -103,6 +104,9 @@ impl Parser<'_> {
             return self.drop_key();
         }
         let dedented = token.fresh && token.indent <= top.indent;
+        if top.layout == Layout::Tuple && !dedented && self.names_lost(top) {
+            return self.drop_key();
+        }
         let text = self.lexer.slice(token.range()).trim_start_matches('"');
         if is_variant(text) && (self.ron() || top.bracket == Bracket::Square) {
             return self.missing_bracket();
@@ -159,10 +163,41 @@ impl Parser<'_> {
         if text.is_empty() || is_variant(text) || first.parent != top.node {
             return false;
         }
-        let message = format!("expected `:` after `{}`", super::lexer::shorten(text));
+        let message = format!("expected `:` after `{}`", shorten(text));
         self.lexer
             .faults
             .add(name, message, "a key has a colon and a value");
+        self.blame();
+        true
+    }
+
+    /// Handles `Union([…], color: …)`: the values before the key lack the names of their fields. In
+    /// `Named("gold", color: …` it is the closing bracket that is missing.
+    fn names_lost(&mut self, top: Frame) -> bool {
+        let Some(owner) = self.nodes.get(top.node as usize).copied() else {
+            return false;
+        };
+        let Some(first) = self.nodes.get(top.node as usize + 1).copied() else {
+            return false;
+        };
+        let name = self.lexer.slice(owner.start..owner.start + owner.name_len);
+        let is_string = first.kind == Kind::String && first.after as usize == self.nodes.len();
+        if !is_variant(name) || is_string || self.closes_two(top.bracket) {
+            return false;
+        }
+        let key = self.lexer.slice(self.token.range());
+        let text = self.lexer.slice(first.start..first.end);
+        let message = format!("expected a field name, found `{}`", shorten(text));
+        let label = format!("`{}` has a name", shorten(key));
+        let fault = self.lexer.faults.add_labelled(
+            first.start..first.end,
+            message,
+            "every value here has a name: `name: value`".to_owned(),
+            Some((self.token.range(), &label)),
+        );
+        if let Some(fault) = fault {
+            fault.nameless = Some(NodeId(top.node + 1));
+        }
         self.blame();
         true
     }

@@ -20,6 +20,8 @@ pub(crate) struct Clash {
     pub(crate) shows_value: bool,
     /// The values that it clashes with, each with a label: a setting of one of them is at fault.
     pub(crate) others: Vec<(Place, &'static str)>,
+    /// The values that are in each other's places, if that is the fault.
+    pub(crate) exchanged: Vec<[Place; 2]>,
 }
 
 /// A value of a geometry: the field, and the indices that lead to the value in it.
@@ -58,6 +60,7 @@ impl Clash {
             help,
             shows_value: false,
             others: Vec::new(),
+            exchanged: Vec::new(),
         }
     }
 
@@ -85,6 +88,18 @@ impl Clash {
         label: &'static str,
     ) -> Self {
         self.others.push((Place::new(field, indices), label));
+        self
+    }
+
+    /// Adds elements of two fields that are in each other's places.
+    pub(super) fn exchanging(
+        mut self,
+        elements: impl IntoIterator<Item = (&'static str, &'static str, usize)>,
+    ) -> Self {
+        let pairs = elements.into_iter();
+        let place = |field, index| Place::new(field, [index]);
+        self.exchanged
+            .extend(pairs.map(|(one, other, index)| [place(one, index), place(other, index)]));
         self
     }
 

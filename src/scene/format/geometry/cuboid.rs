@@ -21,6 +21,9 @@ use crate::{
     },
 };
 
+/// The names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// A box along the axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Box", deny_unknown_fields)]
@@ -51,37 +54,48 @@ impl Kind for BoxModel {
 
     fn clashes(&self) -> Vec<Clash> {
         let (min, max) = (self.min, self.max);
-        let is_finite = |axis: usize| min[axis].is_finite() && max[axis].is_finite();
-        let is_empty = |axis: &usize| is_finite(*axis) && max[*axis] <= min[*axis];
-        let mut empty = (0..3).filter(is_empty).peekable();
-        if empty.peek().is_none() {
-            return Vec::new();
-        }
-        let both = [0, 1, 2].map(|axis| [min[axis], max[axis]]);
-        let ordered = |[low, high]: [f64; 2]| [low.min(high), low.max(high)];
-        let sorted = both.map(ordered);
-        let flat = ["x", "y", "z"]
-            .into_iter()
-            .zip(both)
-            .find(|(_, [low, high])| low == high);
-        let help = match flat {
-            Some((axis, _)) => {
-                format!("a box has a length above 0 along {axis}; a flat one is a `Rectangle`")
-            }
-            None => {
-                let [low, high] = [0, 1].map(|end| shown(sorted.map(|ends| ends[end])));
-                format!("write `min: {low}, max: {high}`")
-            }
-        };
-        let clash = |axis: usize| {
+        let is_finite = |axis: &usize| min[*axis].is_finite() && max[*axis].is_finite();
+        let axes = (0..3).filter(is_finite);
+        let axes: Vec<_> = axes.filter(|axis| max[*axis] <= min[*axis]).collect();
+        let (flat, exchanged): (Vec<_>, Vec<_>) =
+            axes.into_iter().partition(|axis| max[*axis] == min[*axis]);
+        let found = |axis: usize| {
             let (of_min, of_max) = (number(min[axis]), number(max[axis]));
-            let message =
-                format!("`max` must be above `min`, which is `{of_min}`, found `{of_max}`");
-            Clash::new(Code::OutOfRange, "max", message, &*help)
+            format!("`max` must be above `min`, which is `{of_min}`, found `{of_max}`")
+        };
+        let flat = flat.into_iter().map(|axis| {
+            let name = AXES[axis];
+            let help =
+                format!("a box has a length above 0 along {name}; a flat one is a `Rectangle`");
+            Clash::new(Code::OutOfRange, "max", found(axis), help)
                 .at([axis])
                 .with("min", [axis], "`min`")
+        });
+        let mut clashes: Vec<_> = flat.collect();
+        // One slip, one fault.
+        let clash = match *exchanged {
+            [] => return clashes,
+            [axis] => Clash::new(Code::OutOfRange, "max", found(axis), "")
+                .at([axis])
+                .with("min", [axis], "`min`"),
+            _ => {
+                let names: Vec<_> = exchanged.iter().map(|axis| AXES[*axis]).collect();
+                let names = match &*names {
+                    [one, other] => format!("{one} and {other}"),
+                    _ => "x, y and z".to_owned(),
+                };
+                let message = format!("`max` must be above `min`, found it below along {names}");
+                Clash::new(Code::OutOfRange, "max", message, "").with("min", [], "`min`")
+            }
         };
-        empty.map(clash).collect()
+        let [mut low, mut high] = [min, max];
+        for axis in &exchanged {
+            (low[*axis], high[*axis]) = (max[*axis], min[*axis]);
+        }
+        let help = format!("write `min: {}, max: {}`", shown(low), shown(high));
+        let pairs = exchanged.iter().map(|axis| ("min", "max", *axis));
+        clashes.push(Clash { help, ..clash }.exchanging(pairs));
+        clashes
     }
 }
 

@@ -74,7 +74,7 @@ const RON: &[Case] = &[
     background: (0, 0, 0),
     list: [],
 )",
-        &[(62, "expected `)`, found `background`")],
+        &[(15, "`(` is not closed")],
     ),
     (
         "(
@@ -83,7 +83,7 @@ const RON: &[Case] = &[
         fov: 90
     background: (0, 0, 0),
 )",
-        &[(61, "expected `)`, found `background`")],
+        &[(15, "`(` is not closed")],
     ),
     (
         "(
@@ -92,7 +92,7 @@ const RON: &[Case] = &[
         A(x: 1, y: (1, 1, 1)),
     ],
 )",
-        &[(52, "expected `)`, found `A`")],
+        &[(23, "`(` is not closed")],
     ),
     (
         "(
@@ -102,7 +102,7 @@ const RON: &[Case] = &[
     ],
     version: 1,
 )",
-        &[(78, "expected `)`, found `]`")],
+        &[(54, "`(` is not closed")],
     ),
     (
         "(
@@ -110,7 +110,7 @@ const RON: &[Case] = &[
         A(x: 1),
     version: 1,
 )",
-        &[(35, "expected `]`, found `version`")],
+        &[(12, "`[` is not closed")],
     ),
     (
         "(
@@ -377,7 +377,7 @@ const JSON: &[Case] = &[
   "camera": {"x": 1,
   "list": []
 }"#,
-        &[(25, r##"expected `}`, found `"list"`"##)],
+        &[(14, "`{` is not closed")],
     ),
     (
         r#"{
@@ -387,7 +387,7 @@ const JSON: &[Case] = &[
   ],
   "b": 1
 }"#,
-        &[(38, "expected `}`, found `{`")],
+        &[(18, "`{` is not closed")],
     ),
     (
         r#"{
@@ -397,7 +397,7 @@ const JSON: &[Case] = &[
   ],
   "b": 1
 }"#,
-        &[(56, "expected `}`, found `]`")],
+        &[(39, "`{` is not closed")],
     ),
     (
         r#"{

@@ -1,5 +1,5 @@
 //! Hostile text: deep, long and broken, parsed in linear time.
-use crate::text::syntax::{NumberError, Syntax, float, integer, parse};
+use crate::text::syntax::{NumberError, Syntax, float, number::integer, parse};
 use std::time::{Duration, Instant};
 
 const PIECES: &[&str] = &[
