@@ -345,7 +345,7 @@ pub(crate) const VERSIONS_RON: &[Fault] = &[
     ),
     (
         "(\n    image",
-        "(\n    version: 1.0,\n    image",
+        "(\n    version: 1.5,\n    image",
         &["[wrong-type]"],
     ),
     ("(\n    image", "(\n    version: \"1\",\n    image", &[]),
