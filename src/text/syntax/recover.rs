@@ -182,7 +182,10 @@ impl Parser<'_> {
         };
         let name = self.lexer.slice(owner.start..owner.start + owner.name_len);
         let is_string = first.kind == Kind::String && first.after as usize == self.nodes.len();
-        if !is_variant(name) || is_string || self.closes_two(top.bracket) {
+        // A value behind the bracket, and a key on a later line: the bracket is not closed.
+        let before = self.lexer.slice(top.open_end..first.start);
+        let is_later = self.token.line != top.line && !before.contains('\n');
+        if !is_variant(name) || is_string || is_later || self.closes_two(top.bracket) {
             return false;
         }
         let key = self.lexer.slice(self.token.range());

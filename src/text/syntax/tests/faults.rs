@@ -202,7 +202,7 @@ b: 2,",
     ),
     (r#"(a: r#"x, b: 1)"#, &[(4, "unterminated string")]),
     ("(a: /* x", &[(4, "unclosed block comment")]),
-    ("(a: 1 / 2)", &[(6, "unexpected `/`")]),
+    ("(a: 1 / 2)", &[(4, "expected a number, found `1 / 2`")]),
     (
         "(a: 1.2.3, b: --1, c: 1..2, d: 0x, e: 5i128, f: _1)",
         &[
