@@ -72,7 +72,7 @@ fn standard_input_stands_for_a_file() {
 #[test]
 fn a_byte_order_mark_stays() {
     let folder = Folder::new();
-    let path = folder.write("a.ron", &format!("\u{feff}{}", RON.replace("    ", "  ")));
+    let path = folder.write("a.ron", format!("\u{feff}{}", RON.replace("    ", "  ")));
     let done = run(&mut folder.strahl(["fmt", "a.ron"]));
     assert_eq!(done.status, Some(0), "{}", done.stderr);
     let text = fs::read_to_string(&path).unwrap();
@@ -88,7 +88,7 @@ fn hard_links_stay() {
     use std::os::unix::fs::MetadataExt;
 
     let folder = Folder::new();
-    let path = folder.write("a.ron", &RON.replace("    ", "  "));
+    let path = folder.write("a.ron", RON.replace("    ", "  "));
     let other = path.with_file_name("b.ron");
     fs::hard_link(&path, &other).unwrap();
     let done = run(&mut folder.strahl(["fmt", "a.ron"]));
@@ -122,14 +122,14 @@ fn the_limit_of_groups_is_told() {
         let (open, close) = ("Group(geometries: [".repeat(depth), "])".repeat(depth));
         format!("({camera}, geometries: [{open}{ball}{close}])")
     };
-    folder.write("a.ron", &scene(61));
+    folder.write("a.ron", scene(61));
     let done = run(&mut folder.strahl(["validate", "a.ron"]));
     assert_eq!(done.status, Some(0), "{}", done.stderr);
     let done = run(&mut folder.strahl(["convert", "a.ron", "a.json"]));
     assert_ne!(done.status, Some(0));
     assert!(done.stderr.contains("nested too deep"), "{}", done.stderr);
     assert_eq!(folder.names(), ["a.ron"]);
-    folder.write("b.ron", &scene(40));
+    folder.write("b.ron", scene(40));
     let done = run(&mut folder.strahl(["convert", "b.ron", "b.json"]));
     assert_eq!(done.status, Some(0), "{}", done.stderr);
     let done = run(&mut folder.strahl(["validate", "b.json"]));
