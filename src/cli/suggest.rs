@@ -166,12 +166,10 @@ mod tests {
             assert!(exists(meant) || *meant == "preview", "{meant}");
             assert!(!others.iter().any(|other| exists(other)), "{others:?}");
         }
-        let mut arguments = cli.get_subcommands().flat_map(clap::Command::get_arguments);
         for (_, long, words) in OPTIONS {
-            let is_it = |one: &clap::Arg| one.get_long() == Some(*long);
-            assert!(arguments.any(|one| is_it(one)), "{long}");
+            let mut arguments = cli.get_subcommands().flat_map(clap::Command::get_arguments);
+            assert!(arguments.any(|one| one.get_long() == Some(*long)), "{long}");
             assert!(words.contains(&format!("--{long}")), "{words}");
-            arguments = cli.get_subcommands().flat_map(clap::Command::get_arguments);
         }
     }
 }
