@@ -123,6 +123,8 @@ codes! {
     UnusedDefault = "unused-default", Warning;
     /// A column of a table of values that sets nothing and occurs in no name.
     UnusedColumn = "unused-column", Warning;
+    /// A mesh file that leaves open what it means, or that was not read to its end.
+    OddMesh = "odd-mesh", Warning;
     /// A scene without geometries.
     EmptyScene = "empty-scene", Warning;
     /// A field that changes nothing in this scene.

@@ -155,6 +155,10 @@ impl Fingerprint {
                 let channels = colors.iter().map(|color| [color.r(), color.g(), color.b()]);
                 channels.for_each(|channels| self.numbers(channels));
             }
+            VertexColors::OfTriangles(colors) => {
+                self.text("colors of triangles");
+                colors.iter().for_each(|color| self.color(*color));
+            }
             VertexColors::Values(values, scale) => {
                 self.text("values");
                 values.iter().for_each(|value| self.number(*value));

@@ -104,7 +104,7 @@ fn colorless(
 ) -> Option<Problem> {
     let known = match found {
         OfVertices::Values(_, range) => Some(range.is_some()),
-        OfVertices::Nothing | OfVertices::Colors(_) => None,
+        OfVertices::Nothing | OfVertices::Colors(_) | OfVertices::OfTriangles(_) => None,
     };
     match by {
         Some(by) => place.values(by, names, known),
@@ -153,6 +153,7 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
         vertices,
         triangles,
         colors,
+        of_triangles,
         values,
         groups,
         ..
@@ -167,6 +168,10 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
             .into_iter()
             .map(|[r, g, b]| Color::new(r, g, b).to_linear());
         (mesh, OfVertices::Colors(light.collect()))
+    } else if !of_triangles.is_empty() {
+        let colors = of_triangles.into_iter().map(|[r, g, b]| Color::new(r, g, b));
+        let colors = OfVertices::OfTriangles(colors.collect());
+        (Mesh::new(vertices, triangles)?, colors)
     } else {
         (Mesh::new(vertices, triangles)?, OfVertices::Nothing)
     };
@@ -189,6 +194,7 @@ fn problem(place: &Place, note: &Note) -> Problem {
     let code = match note.flaw {
         flaw if flaw.is_error() => Code::InvalidMesh,
         Flaw::Clamped => Code::ColorClamped,
+        Flaw::Behind | Flaw::NotFlat | Flaw::Crossing | Flaw::Colorless => Code::OddMesh,
         _ => Code::NoEffect,
     };
     let message = format!("{}{}", note.fault.message, and_more(note.count));

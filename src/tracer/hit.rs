@@ -45,9 +45,10 @@ impl<'a> Hit<'a> {
             Coating::ByFace(materials) => Cow::Borrowed(materials.of(face)),
             Coating::ByShape(_) => Cow::Borrowed(coating.main()),
             Coating::ByVertex(materials) => {
-                let color = self
-                    .interpolation()
-                    .map(|interpolation| interpolation.color());
+                let color = materials.of_triangle(face).or_else(|| {
+                    let interpolation = self.interpolation()?;
+                    Some(interpolation.color())
+                });
                 Cow::Owned(materials.with_color(color.unwrap_or_default()))
             }
         }

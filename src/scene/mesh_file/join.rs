@@ -7,7 +7,7 @@ use std::{
 
 use glam::DVec3;
 
-use crate::scene::{mesh_file::MeshFile, table::ReadError};
+use crate::scene::{mesh_file::{MeshFile, place::Place}, table::ReadError};
 
 /// A hash table of the vertices of a mesh by their bits: 8 bytes for a vertex or a little more, a
 /// fifth of what a map of copies takes.
@@ -28,7 +28,7 @@ impl Joined {
         &mut self,
         at: DVec3,
         mesh: &mut MeshFile,
-        place: impl FnOnce() -> String,
+        place: Place,
     ) -> Result<u32, ReadError> {
         // Adding 0 turns -0 into 0, which is the same point.
         let at = at + DVec3::ZERO;

@@ -7,8 +7,11 @@
 
 mod join;
 mod obj;
+mod place;
 mod ply;
+mod polygon;
 mod stl;
+mod stl_text;
 mod stream;
 #[cfg(test)]
 mod tests;
@@ -19,7 +22,11 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::stream::Stream,
+        mesh_file::{
+            place::Place,
+            polygon::{Fan, Polygon},
+            stream::Stream,
+        },
         table::{Fault, Names, ReadError},
     },
     text::{nearest::quote, syntax::Decimal},
@@ -62,12 +69,18 @@ pub(crate) enum Flaw {
     NotFinite,
     /// A vertex that the file does not have.
     Index,
+    /// The file is too short.
+    End,
+    /// The file goes on behind its end.
+    Behind,
     /// A face with fewer than three corners.
     Corners,
+    /// A face whose corners are not in a plane.
+    NotFlat,
+    /// A face whose edges cross, or that has too many corners to find out.
+    Crossing,
     /// A vertex without a color among others with one.
     Colorless,
-    /// The file is too short or too long.
-    End,
     /// A color channel outside 0 to 1.
     Clamped,
     /// Materials, which are not read.
@@ -87,10 +100,16 @@ impl Flaw {
             | Self::Number
             | Self::NotFinite
             | Self::Index
-            | Self::Corners
-            | Self::Colorless
             | Self::End => true,
-            Self::Clamped | Self::Material | Self::NotFace | Self::Degenerate => false,
+            Self::Behind
+            | Self::Corners
+            | Self::NotFlat
+            | Self::Crossing
+            | Self::Colorless
+            | Self::Clamped
+            | Self::Material
+            | Self::NotFace
+            | Self::Degenerate => false,
         }
     }
 }
@@ -128,6 +147,8 @@ pub(crate) struct MeshFile {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The color of each vertex, 0 to 1; empty if the file has no colors.
     pub(crate) colors: Vec<[f64; 3]>,
+    /// The color of each triangle; empty if the faces of the file have no colors, or its vertices do.
+    pub(crate) of_triangles: Vec<[f64; 3]>,
     /// The value of each vertex that determines its color; empty if the file has no such property.
     pub(crate) values: Vec<f64>,
     /// The names of the properties of a vertex.
@@ -136,7 +157,39 @@ pub(crate) struct MeshFile {
     pub(crate) groups: Vec<MeshGroup>,
     /// The faults, each once; if one of them is an error, the mesh must not be used.
     pub(crate) notes: Vec<Note>,
+    /// The vertices with a number that is not finite, which matter if a face has them.
+    not_finite: Vec<(u32, NotFinite)>,
+    /// The faces of more than three corners that come before their vertices.
+    early: Vec<Early>,
+    /// The work that went into cutting polygons.
+    work: u64,
+    /// The corners of a face.
+    corners: Vec<DVec3>,
 }
+
+/// A number of a vertex that is not finite.
+#[derive(Clone, Copy, Debug)]
+struct NotFinite {
+    place: Place,
+    /// The color channel, if it is one.
+    channel: Option<f64>,
+}
+
+/// A face that comes before its vertices: a fan.
+#[derive(Clone, Copy, Debug)]
+struct Early {
+    /// The first triangle.
+    first: usize,
+    /// The number of corners.
+    corners: usize,
+    place: Place,
+}
+
+/// The most work for polygons that are not fans, in a file: it takes seconds.
+const MOST_WORK: u64 = 1 << 30;
+
+/// The most corners of a polygon that is not a fan.
+const MOST_CORNERS: usize = 1 << 20;
 
 impl MeshFile {
     /// Reads a mesh file of `length` bytes.
@@ -185,6 +238,13 @@ impl MeshFile {
         }
     }
 
+    /// Notes a fault whose number does not matter.
+    fn once(&mut self, flaw: Flaw, fault: impl FnOnce() -> Fault) {
+        if self.notes.iter().all(|note| note.flaw != flaw) {
+            self.note(flaw, fault);
+        }
+    }
+
     /// Parses the numbers of a line. Returns the first of them, and how many there are.
     #[inline(always)]
     fn numbers<'t, const N: usize>(
@@ -196,10 +256,7 @@ impl MeshFile {
         for word in words {
             if let Some(slot) = numbers.get_mut(count) {
                 *slot = number(word).unwrap_or_else(|| {
-                    self.note(Flaw::Number, || {
-                        let word = quote(&String::from_utf8_lossy(word));
-                        Fault::new(format!("line {line}: {word} is not a number"))
-                    });
+                    self.not_a_number(line, word);
                     0.0
                 });
             }
@@ -208,42 +265,74 @@ impl MeshFile {
         (numbers, count)
     }
 
-    /// Adds a vertex; `place` formats the start of a message about it.
+    #[cold]
+    fn not_a_number(&mut self, line: u64, word: &[u8]) {
+        self.note(Flaw::Number, || {
+            let word = quote(&String::from_utf8_lossy(word));
+            Fault::new(format!("line {line}: {word} is not a number"))
+        });
+    }
+
+    /// Adds a vertex.
     #[inline(always)]
-    fn add_vertex(&mut self, at: DVec3, place: impl FnOnce() -> String) -> Result<(), ReadError> {
+    fn add_vertex(&mut self, at: DVec3, place: Place) -> Result<(), ReadError> {
         if !at.is_finite() {
-            self.note(Flaw::NotFinite, || not_finite(at, &place()));
+            self.unsure(self.vertices.len(), place, None)?;
         }
         push(&mut self.vertices, at, "vertices")
     }
 
     /// Adds the color of a vertex.
     #[inline(always)]
-    fn add_color(
-        &mut self,
-        color: [f64; 3],
-        place: impl FnOnce() -> String,
-    ) -> Result<(), ReadError> {
-        if let Some(channel) = color.iter().find(|channel| !(0.0..=1.0).contains(*channel)) {
-            let (flaw, what) = if channel.is_finite() {
-                (Flaw::Clamped, "a color channel is clamped to 0..1")
-            } else {
-                (Flaw::NotFinite, "expected a finite number")
-            };
-            self.note(flaw, || {
-                Fault::new(format!("{}: {what}, found `{channel}`", place()))
-            });
+    fn add_color(&mut self, color: [f64; 3], place: Place) -> Result<(), ReadError> {
+        if let Some(channel) = self.clamp(color, place) {
+            self.unsure(self.colors.len(), place, Some(channel))?;
         }
         push(&mut self.colors, color, "colors")
     }
 
-    /// Adds the triangles of a face: a fan around its first corner.
+    /// Gives a color to the triangles that have none yet, which are those of the last face.
     #[inline(always)]
-    fn add_face(
+    fn color_triangles(&mut self, color: [f64; 3], place: Place) -> Result<(), ReadError> {
+        if let Some(channel) = self.clamp(color, place) {
+            self.note(Flaw::NotFinite, || not_a_channel(channel, place));
+        }
+        while self.of_triangles.len() < self.triangles.len() {
+            push(&mut self.of_triangles, color, "colors")?;
+        }
+        Ok(())
+    }
+
+    /// Warns about a channel that is clamped, and returns one that is not finite.
+    #[inline(always)]
+    fn clamp(&mut self, color: [f64; 3], place: Place) -> Option<f64> {
+        let mut channels = color.into_iter();
+        let channel = channels.find(|channel| !(0.0..=1.0).contains(channel))?;
+        if !channel.is_finite() {
+            return Some(channel);
+        }
+        self.note(Flaw::Clamped, || {
+            let what = "a color channel is clamped to 0..1";
+            Fault::new(format!("{place}: {what}, found `{channel}`"))
+        });
+        None
+    }
+
+    #[cold]
+    fn unsure(
         &mut self,
-        corners: &[u32],
-        place: impl FnOnce() -> String,
+        vertex: usize,
+        place: Place,
+        channel: Option<f64>,
     ) -> Result<(), ReadError> {
+        // Fits, or the vertex is refused.
+        let item = (vertex as u32, NotFinite { place, channel });
+        push(&mut self.not_finite, item, "numbers that are not finite")
+    }
+
+    /// Adds the triangles of a face, two less than it has corners.
+    #[inline(always)]
+    fn add_face(&mut self, corners: &[u32], place: Place) -> Result<(), ReadError> {
         let [first, rest @ ..] = corners else {
             self.few_corners(corners, place);
             return Ok(());
@@ -251,20 +340,86 @@ impl MeshFile {
         if rest.len() < 2 {
             self.few_corners(corners, place);
         }
+        let face = Early {
+            first: self.triangles.len(),
+            corners: corners.len(),
+            place,
+        };
         for edge in rest.windows(2) {
             if let [second, third] = edge {
                 push(&mut self.triangles, [*first, *second, *third], "triangles")?;
             }
         }
+        if rest.len() > 2 && !self.cut(face) {
+            push(&mut self.early, face, "faces before their vertices")?;
+        }
         Ok(())
     }
 
     #[cold]
-    fn few_corners(&mut self, corners: &[u32], place: impl FnOnce() -> String) {
+    fn few_corners(&mut self, corners: &[u32], place: Place) {
         self.note(Flaw::Corners, || {
-            let (place, count) = (place(), corners.len());
-            Fault::new(format!("{place}: {count} corners, expected at least 3"))
+            let count = corners.len();
+            let message = format!("{place}: a face with {count} corners is not used");
+            Fault::new(message).help("a face has at least 3 corners")
         });
+    }
+
+    /// Cuts a polygon anew if its fan is wrong; returns false if some of its vertices have not been
+    /// read.
+    fn cut(&mut self, face: Early) -> bool {
+        let fan = face.first..face.first + face.corners - 2;
+        let Some(triangles) = self.triangles.get_mut(fan) else {
+            return true;
+        };
+        let [start @ .., _] = triangles.first().copied().unwrap_or_default();
+        let ends = triangles.iter().map(|[.., end]| *end);
+        let vertices = start.into_iter().chain(ends);
+        self.corners.clear();
+        for vertex in vertices.clone() {
+            match self.vertices.get(vertex as usize) {
+                Some(at) => self.corners.push(*at),
+                None => return false,
+            }
+        }
+        let Some(fan) = Fan::of(&self.corners) else {
+            return true;
+        };
+        let place = face.place;
+        let mut crossing = None;
+        if !fan.is_right {
+            let cut = match self.corners.len() {
+                ..=MOST_CORNERS => {
+                    let polygon = Polygon::new(&fan.project(&self.corners));
+                    self.work = self.work.saturating_add(polygon.work());
+                    (self.work <= MOST_WORK).then(|| polygon.cut())
+                }
+                _ => None,
+            };
+            let vertices: Vec<u32> = vertices.collect();
+            match cut {
+                Some(Some(cut)) => {
+                    for (triangle, corners) in triangles.iter_mut().zip(cut) {
+                        *triangle = corners.map(|corner| vertices[corner]);
+                    }
+                }
+                Some(None) => crossing = Some("the edges of a face cross"),
+                None => crossing = Some("a face has too many corners that turn inward"),
+            }
+        }
+        if let Some(what) = crossing {
+            self.note(Flaw::Crossing, || {
+                Fault::new(format!("{place}: {what}; it is a fan around its first corner"))
+                    .help("save the mesh as triangles")
+            });
+        }
+        if !fan.is_flat {
+            self.note(Flaw::NotFlat, || {
+                Fault::new(format!("{place}: the corners of a face are not in a plane"))
+                    .help("save the mesh as triangles, so that its shape does not depend on the program")
+            });
+        }
+        true
     }
 
     /// Returns true if the mesh must not be used.
@@ -273,8 +428,13 @@ impl MeshFile {
         notes.any(|note| note.flaw.is_error())
     }
 
-    /// Looks for triangles, and for those without area.
-    fn check(&mut self, format: Format) -> Result<(), Fault> {
+    /// Cuts the polygons that came before their vertices, looks for numbers that are not finite where
+    /// a face has them, for triangles, and for those without area.
+    fn check(&mut self, format: Format) -> Result<(), ReadError> {
+        for face in std::mem::take(&mut self.early) {
+            self.cut(face);
+        }
+        self.check_numbers()?;
         if self.has_errors() {
             return Ok(());
         }
@@ -283,7 +443,8 @@ impl MeshFile {
             return Err(match format {
                 Format::Ply => fault.help("a cloud of points is `Spheres(file: …, radius: …)`"),
                 Format::Obj | Format::Stl => fault,
-            });
+            }
+            .into());
         }
         let corner = |index: u32| self.vertices.get(index as usize).copied();
         let is_degenerate = |[a, b, c]: &[u32; 3]| {
@@ -304,6 +465,33 @@ impl MeshFile {
             fault,
             count,
         });
+        Ok(())
+    }
+
+    /// Notes the numbers that are not finite of vertices that a face has.
+    fn check_numbers(&mut self) -> io::Result<()> {
+        if self.not_finite.is_empty() {
+            return Ok(());
+        }
+        let mut is_used = Vec::new();
+        is_used.try_reserve_exact(self.vertices.len())?;
+        is_used.resize(self.vertices.len(), false);
+        for corner in self.triangles.iter().flatten() {
+            if let Some(is_used) = is_used.get_mut(*corner as usize) {
+                *is_used = true;
+            }
+        }
+        for (vertex, NotFinite { place, channel }) in std::mem::take(&mut self.not_finite) {
+            let vertex = vertex as usize;
+            if !is_used.get(vertex).is_some_and(|is_used| *is_used) {
+                continue;
+            }
+            let at = self.vertices.get(vertex).copied().unwrap_or_default();
+            self.note(Flaw::NotFinite, || match channel {
+                Some(channel) => not_a_channel(channel, place),
+                None => not_finite(at, place),
+            });
+        }
         Ok(())
     }
 }
@@ -335,7 +523,14 @@ fn reserve<T>(all: &mut Vec<T>, count: usize) -> io::Result<()> {
 }
 
 #[cold]
-fn not_finite(at: DVec3, place: &str) -> Fault {
+fn not_a_channel(channel: f64, place: Place) -> Fault {
+    Fault::new(format!(
+        "{place}: expected a finite number, found `{channel}`"
+    ))
+}
+
+#[cold]
+fn not_finite(at: DVec3, place: Place) -> Fault {
     let coordinates = COORDINATES.into_iter().zip(at.to_array());
     let mut bad = coordinates.filter(|(_, number)| !number.is_finite());
     let (name, number) = bad.next().unwrap_or_default();

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, MOST, MeshFile, Request, push, stream::Stream},
+        mesh_file::{Flaw, MOST, MeshFile, Note, Request, place::Place, push, stream::Stream},
         table::{Fault, ReadError},
     },
     text::nearest::quote,
@@ -59,22 +59,63 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let mut reader = Reader {
         mesh: MeshFile::default(),
         has_colors: request.colors && request.value.is_none(),
+        first_white: None,
+        whites: 0,
         corners: Vec::new(),
         later: Vec::new(),
     };
-    while let Some((line, text)) = file.line(Some(CONTINUATION))? {
+    while let Some((line, text)) = file.line(is_continued)? {
         reader.statement(line, text)?;
     }
-    Ok(reader.finish())
+    reader.finish()
 }
 
-/// Joins a line to the next, as the last byte of a line.
-const CONTINUATION: u8 = b'\\';
+/// Statements of names, which may end with a `\`, as folders do: there, one that joins lines is a word
+/// of its own.
+const OF_NAMES: [&[u8]; 10] = [
+    b"g",
+    b"o",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"shadow_obj",
+    b"trace_obj",
+    b"call",
+    b"csh",
+];
+
+/// Returns true if a `\` joins a line to the next: at its end, unless it is that of a name or a
+/// comment. The lines before `last` have neither.
+#[inline(always)]
+fn is_continued(line: &[u8], last: usize) -> bool {
+    line.last() == Some(&b'\\') && !is_in_name(line) && !has_comment(line, last)
+}
+
+#[cold]
+fn is_in_name(line: &[u8]) -> bool {
+    // However many lines are joined, this is done for each.
+    let start = line.get(..256).unwrap_or(line);
+    let mut words = start.split(u8::is_ascii_whitespace);
+    let keyword = words.find(|word| !word.is_empty());
+    keyword.is_some_and(|keyword| OF_NAMES.contains(&keyword))
+        && line.iter().nth_back(1).is_some_and(|byte| !byte.is_ascii_whitespace())
+}
+
+/// Returns true if a word of the last line starts with `#`.
+#[cold]
+fn has_comment(line: &[u8], last: usize) -> bool {
+    let mut words = line.get(last..).unwrap_or_default().split(u8::is_ascii_whitespace);
+    words.any(|word| word.starts_with(b"#"))
+}
 
 struct Reader {
     mesh: MeshFile,
     /// True if colors are read.
     has_colors: bool,
+    /// The line of the first vertex without a color, and their number.
+    first_white: Option<u64>,
+    whites: usize,
     /// The corners of a face.
     corners: Vec<u32>,
     /// The lines that name vertices before they are given, with the vertex, from 1.
@@ -97,11 +138,11 @@ impl Reader {
                 let words: Vec<_> = words.map(String::from_utf8_lossy).collect();
                 self.group(words.join(" "));
             }
-            b"usemtl" | b"mtllib" => self.once(Flaw::Material, || {
+            b"usemtl" | b"mtllib" => self.mesh.once(Flaw::Material, || {
                 let message = format!("line {line}: the materials of an OBJ file are not used");
                 Fault::new(message).help("give the mesh one `material`")
             }),
-            b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.once(Flaw::NotFace, || {
+            b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.mesh.once(Flaw::NotFace, || {
                 let keyword = quote(&String::from_utf8_lossy(keyword));
                 let message = format!("line {line}: {keyword} is not used, only faces `f`");
                 Fault::new(message)
@@ -115,13 +156,6 @@ impl Reader {
             }),
         }
         Ok(())
-    }
-
-    /// Notes a fault whose number does not matter.
-    fn once(&mut self, flaw: Flaw, fault: impl FnOnce() -> Fault) {
-        if self.mesh.notes.iter().all(|note| note.flaw != flaw) {
-            self.mesh.note(flaw, fault);
-        }
     }
 
     fn group(&mut self, name: String) {
@@ -138,28 +172,34 @@ impl Reader {
         line: u64,
         words: impl Iterator<Item = &'t [u8]>,
     ) -> Result<(), ReadError> {
-        let place = || format!("line {line}");
+        let place = Place::line(line);
         let mesh = &mut self.mesh;
         let (numbers, count) = mesh.numbers(line, words);
         if !matches!(count, 3 | 4 | 6) {
             mesh.note(Flaw::Length, || {
-                let place = place();
                 let fault = Fault::new(format!("{place}: {count} numbers in a vertex"));
                 fault.help("write x, y and z, and r, g and b behind them if it has a color")
             });
         }
         let [x, y, z, r, g, b] = numbers;
-        let others_have = !mesh.colors.is_empty();
-        if self.has_colors && !mesh.vertices.is_empty() && (count == 6) != others_have {
-            mesh.note(Flaw::Colorless, || {
-                let place = place();
-                Fault::new(format!("{place}: of the vertices only some have a color"))
-            });
-        }
         if self.has_colors && count == 6 {
-            mesh.add_color([r, g, b], place)?;
+            self.white()?;
+            self.mesh.add_color([r, g, b], place)?;
+        } else {
+            self.first_white.get_or_insert(line);
+            self.whites += 1;
         }
-        mesh.add_vertex(DVec3::new(x, y, z), place)
+        self.mesh.add_vertex(DVec3::new(x, y, z), place)
+    }
+
+    /// Gives white to the vertices without a color.
+    #[inline(always)]
+    fn white(&mut self) -> Result<(), ReadError> {
+        let mesh = &mut self.mesh;
+        while mesh.colors.len() < mesh.vertices.len() {
+            push(&mut mesh.colors, [1.0; 3], "colors")?;
+        }
+        Ok(())
     }
 
     #[inline(always)]
@@ -194,10 +234,21 @@ impl Reader {
             }
             push(&mut self.corners, corner, "corners")?;
         }
-        self.mesh.add_face(&self.corners, || format!("line {line}"))
+        self.mesh.add_face(&self.corners, Place::line(line))
     }
 
-    fn finish(mut self) -> MeshFile {
+    fn finish(mut self) -> Result<MeshFile, ReadError> {
+        if !self.mesh.colors.is_empty()
+            && let Some(line) = self.first_white
+        {
+            self.white()?;
+            let message = format!("line {line}: a vertex without a color is white");
+            self.mesh.notes.push(Note {
+                flaw: Flaw::Colorless,
+                fault: Fault::new(message).help("give all vertices a color, or none"),
+                count: self.whites,
+            });
+        }
         let count = self.mesh.vertices.len();
         for (line, corner) in self.later {
             if corner as usize >= count {
@@ -205,7 +256,7 @@ impl Reader {
                 self.mesh.note(Flaw::Index, || missing(line, index, count));
             }
         }
-        self.mesh
+        Ok(self.mesh)
     }
 }
 

@@ -1,23 +1,21 @@
 //! The vertices and faces of a PLY file: text, or binary in either byte order.
 //!
-//! The header is that of tables. Of a vertex, x, y, z, red, green, blue and the property whose
-//! values determine the colors are read; of a face, the list of its vertices. All else is skipped.
+//! The header is that of tables. Of a vertex, its place, its color and the property whose values
+//! determine the colors are read; of a face, the list of its vertices, and its color if the vertices
+//! have none. All else is skipped.
 
-use std::{
-    fmt,
-    io::{self, Read},
-};
+use std::io::{self, Read};
 
 use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, MeshFile, Request, reserve, stream::Stream},
+        mesh_file::{Flaw, MeshFile, Request, place::Place, push, reserve, stream::Stream},
         table::{
             Fault, ReadError,
             layout::{COLORS, Endian, VALUE},
             ply::{
-                Selection, VERTEX,
+                Selected, Selection, VERTEX,
                 ascii::number,
                 header::{Element, Encoding, Header, Type},
             },
@@ -28,7 +26,9 @@ use crate::{
 
 /// The element of the faces.
 const FACE: &str = "face";
-/// The names of the list of a face's vertices.
+/// The element of strips of triangles.
+const STRIPS: &str = "tristrips";
+/// The names of the list of the vertices of a face or of strips.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
@@ -45,7 +45,17 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     file.skip(header.end, header.lines);
     let vertex = header.vertex()?;
     let selection = Selection::of_corners(vertex, request.colors, request.value)?;
-    let corners = corners(&header)?;
+    let mut of_face = None;
+    for element in &header.elements {
+        corners(element)?;
+        let may_have_color = request.colors && request.value.is_none();
+        if element.name == FACE && may_have_color && !selection.has()[COLORS.start] {
+            of_face = Selection::of_face(element)?;
+        }
+    }
+    // Strips have no colors.
+    let has_strips = header.elements.iter().any(|element| element.name == STRIPS);
+    let of_face = of_face.filter(|_| !has_strips);
     let mut mesh = MeshFile {
         names: selection.names.clone(),
         ..MeshFile::default()
@@ -53,7 +63,7 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let mut reader = Reader {
         encoding: header.encoding,
         selection,
-        corners,
+        of_face,
         vertices: vertex.rows,
         row: Row::default(),
         indices: Vec::new(),
@@ -67,23 +77,19 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     Ok(mesh)
 }
 
-/// Returns the place of the list of vertices among the properties of a face, if there are faces.
-fn corners(header: &Header) -> Result<Option<usize>, Fault> {
-    let named = |name| header.elements.iter().find(|element| element.name == name);
-    let Some(face) = named(FACE) else {
-        return match named("tristrips") {
-            Some(_) => Err(
-                Fault::new("the faces are triangle strips, which are not supported")
-                    .help("save the mesh with an element `face`"),
-            ),
-            None => Ok(None),
-        };
-    };
-    let mut properties = face.properties.iter();
+/// Returns the place of the list of vertices among the properties of an element, if it has triangles.
+fn corners(element: &Element) -> Result<Option<usize>, Fault> {
+    let name = element.name.as_str();
+    if ![FACE, STRIPS].contains(&name) {
+        return Ok(None);
+    }
+    let mut properties = element.properties.iter();
     let index = properties
         .position(|property| CORNERS.contains(&property.name.as_str()))
-        .ok_or_else(|| Fault::new("the element `face` has no property `vertex_indices`"))?;
-    match face.properties.get(index).map(|property| property.kind) {
+        .ok_or_else(|| {
+            Fault::new(format!("the element `{name}` has no property `vertex_indices`"))
+        })?;
+    match element.properties.get(index).map(|property| property.kind) {
         Some(Type::List { item, .. }) if item.is_integer() => Ok(Some(index)),
         _ => {
             let message = "the property `vertex_indices` is not a list of integers";
@@ -92,11 +98,14 @@ fn corners(header: &Header) -> Result<Option<usize>, Fault> {
     }
 }
 
+/// The help for a file that goes on behind its end.
+const BEHIND: &str = "they are not read; are the numbers of rows in the header right?";
+
 struct Reader {
     encoding: Encoding,
     selection: Selection,
-    /// The place of the list of vertices among the properties of a face.
-    corners: Option<usize>,
+    /// The color of a face.
+    of_face: Option<[Selected; 3]>,
     /// The number of vertices.
     vertices: usize,
     row: Row,
@@ -133,12 +142,15 @@ impl Reader {
             });
             return Ok(false);
         }
-        let (is_vertex, is_face) = (element.name == VERTEX, element.name == FACE);
+        let is_vertex = element.name == VERTEX;
+        let is_face = element.name == FACE;
+        let corners = corners(element)?;
         let wanted: Vec<bool> = (0..element.properties.len())
             .map(|index| {
                 let mut selected = self.selection.iter();
                 is_vertex && selected.any(|selected| selected.index == index)
-                    || is_face && self.corners == Some(index)
+                    || corners == Some(index)
+                    || is_face && self.of_face.iter().flatten().any(|each| each.index == index)
             })
             .collect();
         if is_vertex {
@@ -155,21 +167,17 @@ impl Reader {
             let possible = left / (smallest + 3);
             reserve(&mut mesh.triangles, element.rows.min(possible))?;
         }
-        let name = match is_vertex || is_face {
-            true => element.name.clone(),
-            false => format!("element {}, row", quote(&element.name)),
-        };
         for row in 0..element.rows {
             let (place, read) = match self.encoding {
                 Encoding::Ascii => {
-                    let Some((line, text)) = file.line(None)? else {
+                    let Some((line, text)) = file.line(|_, _| false)? else {
                         cut_off(element, row, mesh);
                         return Ok(false);
                     };
-                    (Place::Line(line), self.row.parse(text, element, &wanted))
+                    (Place::line(line), self.row.parse(text, element, &wanted))
                 }
                 Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
-                    let place = Place::Byte(file.position());
+                    let place = Place::byte(file.position());
                     let endian = match self.encoding {
                         Encoding::BinaryBigEndian => Endian::Big,
                         _ => Endian::Little,
@@ -181,31 +189,38 @@ impl Reader {
                     (place, Ok(()))
                 }
             };
-            let place = || format!("{name} {row}{place}");
-            match read {
-                Err((flaw, what)) => {
-                    mesh.note(flaw, || Fault::new(format!("{}: {what}", place())));
+            match (read, corners) {
+                (Err((flaw, what)), _) => mesh.note(flaw, || {
+                    let place = match element.name.as_str() {
+                        VERTEX => place.row(VERTEX, row).to_string(),
+                        FACE => place.row(FACE, row).to_string(),
+                        other => format!("element {}, {}", quote(other), place.row("row", row)),
+                    };
+                    Fault::new(format!("{place}: {what}"))
+                }),
+                (Ok(()), Some(corners)) if is_face => {
+                    self.face(mesh, corners, place.row(FACE, row))?;
                 }
-                Ok(()) if is_vertex => self.vertex(mesh, place)?,
-                Ok(()) if is_face => self.face(mesh, place)?,
-                Ok(()) => {}
+                (Ok(()), Some(corners)) => self.strips(mesh, corners, place.row(STRIPS, row))?,
+                (Ok(()), None) if is_vertex => self.vertex(mesh, place.row(VERTEX, row))?,
+                (Ok(()), None) => {}
             }
         }
         Ok(true)
     }
 
     #[inline(always)]
-    fn vertex(&self, mesh: &mut MeshFile, place: impl Fn() -> String) -> Result<(), ReadError> {
+    fn vertex(&self, mesh: &mut MeshFile, place: Place) -> Result<(), ReadError> {
         let columns = &self.selection.columns;
         let number = |column: usize| {
             let selected = columns.get(column).copied().flatten();
-            selected.map(|selected| self.row.number(selected.index) / selected.divisor)
+            selected.map(|selected| selected.number(self.row.number(selected.index)))
         };
         let [x, y, z] = [0, 1, 2].map(|column| number(column).unwrap_or_default());
-        mesh.add_vertex(DVec3::new(x, y, z), &place)?;
+        mesh.add_vertex(DVec3::new(x, y, z), place)?;
         let first = COLORS.start;
         if let [Some(red), Some(green), Some(blue)] = [first, first + 1, first + 2].map(number) {
-            mesh.add_color([red, green, blue], &place)?;
+            mesh.add_color([red, green, blue], place)?;
         }
         if let Some(value) = number(VALUE) {
             mesh.values.push(value);
@@ -214,40 +229,92 @@ impl Reader {
     }
 
     #[inline(always)]
-    fn face(&mut self, mesh: &mut MeshFile, place: impl Fn() -> String) -> Result<(), ReadError> {
+    fn face(
+        &mut self,
+        mesh: &mut MeshFile,
+        corners: usize,
+        place: Place,
+    ) -> Result<(), ReadError> {
         self.indices.clear();
-        for number in self
-            .corners
-            .map_or(&[][..], |corners| self.row.list(corners))
-        {
-            // Also false for negative numbers.
-            if !(0.0..self.vertices as f64).contains(number) {
-                mesh.note(Flaw::Index, || {
-                    let (place, count) = (place(), self.vertices);
-                    let has = match count {
-                        0 => "the file has none".to_owned(),
-                        _ => format!("the file has {count}, 0 to {}", count - 1),
-                    };
-                    Fault::new(format!("{place}: vertex {number} does not exist, {has}"))
-                });
+        for number in self.row.list(corners) {
+            let Some(corner) = self.corner(*number) else {
+                self.no_vertex(mesh, *number, place);
                 return Ok(());
-            }
-            self.indices.push(*number as u32);
+            };
+            self.indices.push(corner);
         }
-        mesh.add_face(&self.indices, place)
+        mesh.add_face(&self.indices, place)?;
+        if let Some(color) = &self.of_face {
+            let color = color.map(|channel| channel.number(self.row.number(channel.index)));
+            mesh.color_triangles(color, place)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the triangles of strips: each vertex after the second makes one with the two before, every
+    /// other one turned around. After -1, another strip starts.
+    fn strips(
+        &mut self,
+        mesh: &mut MeshFile,
+        corners: usize,
+        place: Place,
+    ) -> Result<(), ReadError> {
+        for strip in self.row.list(corners).split(|number| *number == -1.0) {
+            self.indices.clear();
+            for number in strip {
+                let Some(corner) = self.corner(*number) else {
+                    self.no_vertex(mesh, *number, place);
+                    return Ok(());
+                };
+                self.indices.push(corner);
+            }
+            for (index, corners) in self.indices.windows(3).enumerate() {
+                let [a, b, c] = [corners[0], corners[1], corners[2]];
+                let triangle = match index % 2 {
+                    0 => [a, b, c],
+                    _ => [b, a, c],
+                };
+                // Vertices are repeated to turn around a corner.
+                if a != b && b != c && c != a {
+                    push(&mut mesh.triangles, triangle, "triangles")?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the vertex with a number, if the file has it.
+    #[inline(always)]
+    fn corner(&self, number: f64) -> Option<u32> {
+        // Also false for negative numbers.
+        let is_one = (0.0..self.vertices as f64).contains(&number);
+        is_one.then_some(number as u32)
+    }
+
+    #[cold]
+    fn no_vertex(&self, mesh: &mut MeshFile, number: f64, place: Place) {
+        mesh.note(Flaw::Index, || {
+            let count = self.vertices;
+            let has = match count {
+                0 => "the file has none".to_owned(),
+                _ => format!("the file has {count}, 0 to {}", count - 1),
+            };
+            Fault::new(format!("{place}: vertex {number} does not exist, {has}"))
+        });
     }
 
     /// Reports what stands after the last row.
     fn end(&self, file: &mut Stream<impl Read>, mesh: &mut MeshFile) -> Result<(), ReadError> {
         if self.encoding == Encoding::Ascii {
-            if let Some((line, _)) = file.line(None)? {
-                mesh.note(Flaw::End, || {
-                    Fault::new(format!("line {line}: text after the last row"))
+            if let Some((line, _)) = file.line(|_, _| false)? {
+                mesh.note(Flaw::Behind, || {
+                    Fault::new(format!("line {line}: text after the last row")).help(BEHIND)
                 });
             }
         } else if file.remaining() > 0 {
-            mesh.note(Flaw::End, || {
-                Fault::new(format!("bytes after the last row: {}", file.remaining()))
+            mesh.note(Flaw::Behind, || {
+                let behind = file.remaining();
+                Fault::new(format!("bytes after the last row: {behind}")).help(BEHIND)
             });
         }
         Ok(())
@@ -262,22 +329,6 @@ fn cut_off(element: &Element, row: usize, mesh: &mut MeshFile) {
             "the file is cut off, or a list has no length: {row} of {count} rows of {name}"
         ))
     });
-}
-
-/// The place of a row in the file.
-#[derive(Clone, Copy)]
-enum Place {
-    Line(u64),
-    Byte(u64),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Line(line) => write!(f, " (line {line})"),
-            Self::Byte(byte) => write!(f, " (byte {byte})"),
-        }
-    }
 }
 
 /// The wanted values of a row, as numbers.

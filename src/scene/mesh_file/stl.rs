@@ -2,8 +2,8 @@
 //!
 //! The format is that of 3D Systems (StereoLithography Interface Specification, 1989). It gives each
 //! triangle its own corners; equal ones are joined, so that a mesh is closed if its triangles are.
-//! Normals are not read, because the order of the corners determines them, nor are the two bytes
-//! after each triangle, where some programs keep colors.
+//! Normals are not read, because the order of the corners determines them, nor are the attributes
+//! of a triangle. The number of their bytes is behind it, but most programs keep a color there.
 
 use std::io::Read;
 
@@ -11,11 +11,11 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, MeshFile, join::Joined, push, reserve, stream::Stream},
+        mesh_file::{
+            Flaw, MeshFile, join::Joined, place::Place, push, reserve, stl_text, stream::Stream,
+        },
         table::{Fault, ReadError, bytes::BYTE_ORDER_MARK},
     },
-    text::nearest::{list, quote},
-    tracer::shape::mesh::MeshGroup,
 };
 
 /// The length of the comment at the start of a binary file.
@@ -34,7 +34,8 @@ pub(super) fn read(mut file: Stream<impl Read>, length: u64) -> Result<MeshFile,
     match count {
         // Some programs start a binary file with `solid` as well, so its length decides first.
         Some(count) if expected(count) == length => binary(file, count as usize),
-        _ if is_text(head) => text(file),
+        _ if is_text(head) => stl_text::read(file),
+        Some(count) if expected(count) < length => binary(file, count as usize),
         Some(count) => {
             let expected = expected(count);
             let fault = Fault::new(format!(
@@ -71,106 +72,27 @@ fn binary(mut file: Stream<impl Read>, count: usize) -> Result<MeshFile, ReadErr
             let [x, y, z] = [(); 3].map(|()| f64::from(floats.next().unwrap_or_default()));
             DVec3::new(x, y, z)
         });
-        let place = || format!("triangle {triangle} (byte {})", file.position());
+        let place = Place::byte(file.position()).row("triangle", triangle);
         let mut indices = [0; 3];
         for (index, corner) in indices.iter_mut().zip(corners) {
             *index = joined.vertex(corner, &mut mesh, place)?;
         }
         push(&mut mesh.triangles, indices, "triangles")?;
+        let attributes = file.bytes().get(TRIANGLE - 2..).and_then(|rest| rest.first_chunk());
+        let attributes = u64::from(attributes.map_or(0, |bytes| u16::from_le_bytes(*bytes)));
         file.skip(TRIANGLE, 0);
-    }
-    Ok(mesh)
-}
-
-/// A place between the lines of a text.
-#[derive(Clone, Copy, PartialEq)]
-enum State {
-    Outside,
-    Solid,
-    Facet,
-    Loop,
-    LoopEnd,
-}
-
-/// The first words of lines, each with the state before and after.
-const KEYWORDS: [(&str, State, State); 7] = [
-    ("solid", State::Outside, State::Solid),
-    ("facet", State::Solid, State::Facet),
-    ("outer", State::Facet, State::Loop),
-    ("vertex", State::Loop, State::Loop),
-    ("endloop", State::Loop, State::LoopEnd),
-    ("endfacet", State::LoopEnd, State::Solid),
-    ("endsolid", State::Solid, State::Outside),
-];
-
-/// Returns the keywords that may follow in a state.
-fn expected(state: State) -> String {
-    let after = KEYWORDS.iter().filter(|(_, from, _)| *from == state);
-    let names: Vec<_> = after.map(|(name, ..)| *name).collect();
-    list(&names)
-}
-
-fn text(mut file: Stream<impl Read>) -> Result<MeshFile, ReadError> {
-    file.skip_mark()?;
-    let mut mesh = MeshFile::default();
-    let mut joined = Joined::default();
-    let mut corners: Vec<u32> = Vec::new();
-    let mut state = State::Outside;
-    while let Some((line, text)) = file.line(None)? {
-        let place = || format!("line {line}");
-        let mut words = text
-            .split(u8::is_ascii_whitespace)
-            .filter(|word| !word.is_empty());
-        let word = words.next().unwrap_or_default();
-        let mut keywords = KEYWORDS.iter();
-        let keyword = keywords
-            .find(|(name, from, _)| *from == state && word.eq_ignore_ascii_case(name.as_bytes()));
-        let Some((keyword, _, to)) = keyword else {
-            mesh.note(Flaw::Line, || {
-                let (place, word) = (place(), quote(&String::from_utf8_lossy(word)));
-                Fault::new(format!(
-                    "{place}: expected {}, found {word}",
-                    expected(state)
-                ))
-            });
-            continue;
-        };
-        state = *to;
-        match *keyword {
-            "solid" => {
-                let words: Vec<_> = words.map(String::from_utf8_lossy).collect();
-                mesh.groups.push(MeshGroup {
-                    name: words.join(" "),
-                    first: mesh.triangles.len(),
-                });
-            }
-            "outer" => corners.clear(),
-            "vertex" => {
-                let (numbers, count) = mesh.numbers(line, words);
-                if count != numbers.len() {
-                    mesh.note(Flaw::Length, || {
-                        Fault::new(format!("{}: {count} numbers, expected 3", place()))
-                    });
-                }
-                let corner = joined.vertex(DVec3::from_array(numbers), &mut mesh, place)?;
-                push(&mut corners, corner, "corners")?;
-            }
-            "endloop" => match corners.as_slice() {
-                [a, b, c] => push(&mut mesh.triangles, [*a, *b, *c], "triangles")?,
-                _ => mesh.note(Flaw::Corners, || {
-                    let (place, count) = (place(), corners.len());
-                    Fault::new(format!("{place}: {count} corners, expected 3"))
-                }),
-            },
-            _ => {}
+        // The file is as long as its triangles unless they have attributes.
+        let others = (count - triangle - 1) as u64 * TRIANGLE as u64;
+        if attributes > 0 && file.remaining() >= others + attributes {
+            file.have(attributes as usize)?;
+            file.skip(attributes as usize, 0);
         }
     }
-    if state != State::Outside {
-        mesh.note(Flaw::End, || {
-            let expected = expected(state);
-            Fault::new(format!(
-                "the file is cut off: expected {expected} at its end"
-            ))
+    let behind = file.remaining();
+    if behind > 0 {
+        mesh.note(Flaw::Behind, || {
+            Fault::new(format!("bytes after the last triangle: {behind}"))
+                .help("they are not read; is the number of triangles in the header right?")
         });
     }
     Ok(mesh)

@@ -4,7 +4,7 @@
 use std::io::{self, Read};
 
 use crate::scene::table::{
-    ReadError,
+    Fault, ReadError,
     bytes::{BYTE_ORDER_MARK, LONGEST_LINE, longer, shorter},
 };
 
@@ -22,6 +22,8 @@ pub(super) struct Stream<R> {
     position: u64,
     /// The number of lines before the rest.
     lines: u64,
+    /// The byte that ends a line, once it is known.
+    line_end: Option<u8>,
 }
 
 impl<R: Read> Stream<R> {
@@ -33,6 +35,7 @@ impl<R: Read> Stream<R> {
             at: 0,
             position: 0,
             lines: 0,
+            line_end: None,
         }
     }
 
@@ -98,22 +101,70 @@ impl<R: Read> Stream<R> {
         Ok(())
     }
 
+    /// Returns the byte that ends the lines of a text: LF, or CR if the first piece has no other.
+    fn line_end(&mut self) -> Result<u8, ReadError> {
+        if let Some(end) = self.line_end {
+            return Ok(end);
+        }
+        self.have(PIECE)?;
+        while self.bytes().ends_with(b"\r") && self.more()? {}
+        let has_only_cr = self.bytes().contains(&b'\r') && !self.bytes().contains(&b'\n');
+        let end = if has_only_cr { b'\r' } else { b'\n' };
+        self.line_end = Some(end);
+        Ok(end)
+    }
+
+    /// Returns the next word with the number of its line; `None` at the end of the file.
+    pub(super) fn word(&mut self) -> Result<Option<(u64, &[u8])>, ReadError> {
+        let line_end = self.line_end()?;
+        loop {
+            let blank = self.bytes().iter();
+            let blank = blank.take_while(|byte| byte.is_ascii_whitespace());
+            let (length, ends) = blank.fold((0, 0), |(length, ends), byte| {
+                (length + 1, ends + u64::from(*byte == line_end))
+            });
+            self.skip(length, ends);
+            if !self.bytes().is_empty() {
+                break;
+            }
+            if !self.more()? {
+                return Ok(None);
+            }
+        }
+        let (line, mut length) = (self.lines + 1, 0);
+        loop {
+            let new = self.bytes().get(length..).unwrap_or_default();
+            let end = new.iter().position(u8::is_ascii_whitespace);
+            length += end.unwrap_or(new.len());
+            if length > LONGEST_LINE {
+                return Err(too_long(line).into());
+            }
+            if end.is_some() || !self.more()? {
+                break;
+            }
+        }
+        let word = self.at..self.at + length;
+        self.skip(length, 0);
+        Ok(Some((line, self.buffer.get(word).unwrap_or_default())))
+    }
+
     /// Returns the next line with its number, without its end; `None` at the end of the file. Blank
-    /// lines are skipped. A `continuation` at the end of a line joins the next, unless the line has a
-    /// comment; it becomes a space, and the ends stay in the line.
+    /// lines are skipped. `joins` gets a line, with all lines that were joined to it, and the start of
+    /// the last of these; if it returns true, the last byte becomes a space, and the next line
+    /// follows. The ends stay in the line.
     pub(super) fn line(
         &mut self,
-        continuation: Option<u8>,
+        joins: impl Fn(&[u8], usize) -> bool,
     ) -> Result<Option<(u64, &[u8])>, ReadError> {
+        let line_end = self.line_end()?;
         loop {
-            let (length, ends) = self.line_length(continuation)?;
+            let (length, ends) = self.line_length(line_end, &joins)?;
             let (start, number) = (self.at, self.lines + 1);
             if start == self.buffer.len() {
                 return Ok(None);
             }
             if length > LONGEST_LINE {
-                let help = "lines end with LF or CRLF";
-                return Err(longer(number).help(help).into());
+                return Err(too_long(number).into());
             }
             let has_end = start + length < self.buffer.len();
             self.skip(length + usize::from(has_end), ends);
@@ -127,46 +178,47 @@ impl<R: Read> Stream<R> {
 
     /// Reads a whole line, or the start of one that is too long. Returns its length, without its end,
     /// and the number of ends in it.
-    fn line_length(&mut self, continuation: Option<u8>) -> Result<(usize, u64), ReadError> {
-        let (mut searched, mut ends) = (0, 0);
+    fn line_length(
+        &mut self,
+        line_end: u8,
+        joins: impl Fn(&[u8], usize) -> bool,
+    ) -> Result<(usize, u64), ReadError> {
+        let (mut last, mut searched, mut ends) = (0, 0, 0);
         loop {
             let bytes = self.bytes();
             let new = bytes.get(searched..).unwrap_or_default();
-            let end = new.iter().position(|byte| *byte == b'\n');
+            let end = new.iter().position(|byte| *byte == line_end);
             let length = end.map_or(bytes.len(), |end| searched + end);
             if end.is_none() && length <= LONGEST_LINE && self.more()? {
                 searched = length;
                 continue;
             }
             ends += u64::from(end.is_some());
-            let is_continued = self.join(length, continuation);
+            let is_continued = self.join(last, length, &joins);
             if end.is_none() || !is_continued {
                 return Ok((length, ends));
             }
-            searched = length + 1;
+            (last, searched) = (length + 1, length + 1);
         }
     }
 
-    /// Makes a `continuation` at the end of a line of this length a space; returns false if it has
-    /// none.
+    /// Makes the last byte of a line of this length a space if the next is joined to it; returns false
+    /// if it is not. `last` is the start of the last line that was joined to it.
     #[inline(always)]
-    fn join(&mut self, length: usize, continuation: Option<u8>) -> bool {
+    fn join(&mut self, last: usize, length: usize, joins: impl Fn(&[u8], usize) -> bool) -> bool {
         let line = self.bytes().get(..length).unwrap_or_default();
         let line = line.strip_suffix(b"\r").unwrap_or(line);
-        if continuation.is_none() || line.last() != continuation.as_ref() || has_comment(line) {
+        if line.len() <= last || !joins(line, last) {
             return false;
         }
-        let last = self.at + line.len() - 1;
-        if let Some(byte) = self.buffer.get_mut(last) {
+        let at = self.at + line.len() - 1;
+        if let Some(byte) = self.buffer.get_mut(at) {
             *byte = b' ';
         }
         true
     }
 }
 
-/// Returns true if a word of a line starts with `#`.
-#[cold]
-fn has_comment(line: &[u8]) -> bool {
-    let mut words = line.split(u8::is_ascii_whitespace);
-    words.any(|word| word.starts_with(b"#"))
+fn too_long(line: u64) -> Fault {
+    longer(line).help("lines end with LF, CRLF or CR")
 }

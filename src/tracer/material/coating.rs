@@ -14,7 +14,7 @@ pub(crate) enum Coating {
     Plain(Material),
     /// One for each face.
     ByFace(Arc<ByFace>),
-    /// One whose first color depends on the vertices of the triangle of a mesh.
+    /// One whose first color depends on the triangle of a mesh, or its vertices.
     ByVertex(Arc<ByVertex>),
     /// One coating for each shape that copies are of.
     ByShape(Arc<ByShape>),
@@ -38,7 +38,7 @@ pub(crate) struct ByFace {
     others: Material,
 }
 
-/// The material of a mesh whose vertices determine its first color.
+/// The material of a mesh whose vertices or triangles determine its first color.
 #[derive(Debug, PartialEq)]
 pub(crate) struct ByVertex {
     /// The material, with the color of the first vertex.
@@ -46,13 +46,15 @@ pub(crate) struct ByVertex {
     vertices: VertexColors,
 }
 
-/// What the vertices of a mesh have, in their order.
+/// What the vertices of a mesh have, in their order, or its triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum VertexColors {
     /// Colors, as linear light.
     Colors(Arc<[Radiance]>),
     /// Values that determine colors.
     Values(Arc<[f64]>, ColorScale),
+    /// Colors of triangles.
+    OfTriangles(Arc<[Color]>),
 }
 
 /// How a color follows from what the corners of a triangle have.
@@ -99,11 +101,15 @@ impl VertexColors {
         Some(match self {
             Self::Colors(colors) => Corners::Colors(pick(colors, corners)?),
             Self::Values(values, scale) => Corners::Values(pick(values, corners)?, scale),
+            Self::OfTriangles(_) => return None,
         })
     }
 
-    /// Returns the color of the first vertex.
+    /// Returns the color of the first vertex or triangle.
     fn first(&self) -> Color {
+        if let Self::OfTriangles(colors) = self {
+            return colors.first().copied().unwrap_or_default();
+        }
         let corners = self.of([0; 3]);
         corners.map_or(Color::BLACK, |corners| {
             let weights = [1.0, 0.0, 0.0];
@@ -127,6 +133,14 @@ impl ByVertex {
     pub(crate) fn at(&self, corners: [u32; 3], weights: [f64; 3]) -> Option<Interpolation<'_>> {
         let corners = self.vertices.of(corners)?;
         Some(Interpolation { weights, corners })
+    }
+
+    /// Returns the color of a triangle, if it has one of its own.
+    pub(crate) fn of_triangle(&self, face: u64) -> Option<Color> {
+        match &self.vertices {
+            VertexColors::OfTriangles(colors) => colors.get(face as usize).copied(),
+            VertexColors::Colors(_) | VertexColors::Values(..) => None,
+        }
     }
 
     /// Returns the material with a first color.

@@ -85,7 +85,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// Returns an error if a coordinate is not finite, if a triangle has a corner that does not
+    /// Returns an error if a coordinate of a corner is not finite, if a triangle has a corner that does not
     /// exist, or if there is no triangle.
     pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
         let (mesh, _) = Self::with(vertices, triangles, Vec::<()>::new())?;
@@ -107,9 +107,6 @@ impl Mesh {
                 range: [1.0, f64::from(u32::MAX)],
             });
         }
-        for vertex in &vertices {
-            finite(*vertex, "vertices")?;
-        }
         let mut is_used = vec![false; vertices.len()];
         for (triangle, corner) in (0..).zip(&triangles).flat_map(|(number, corners)| {
             let corners = corners.iter();
@@ -128,6 +125,9 @@ impl Mesh {
         }
         renumber(&is_used, &mut triangles);
         let vertices = used(vertices, &is_used);
+        for vertex in &vertices {
+            finite(*vertex, "vertices")?;
+        }
         let mesh = Self {
             around: Around::points(&vertices),
             vertices: vertices.into(),

@@ -16,6 +16,7 @@ use crate::{
         material::MaterialModel,
     },
     tracer::{
+        color::Color,
         error::GeometryError,
         geometry::Geometry,
         material::{Material, coating::VertexColors},
@@ -52,7 +53,7 @@ pub struct MeshModel {
     #[schemars(extend("default" = false))]
     pub smooth: Option<bool>,
     /// The color: a matte surface. Give at most one of this and `material`, and one of them where the
-    /// file has no colors of its vertices, which are used without either.
+    /// file has no colors of its vertices or faces, which are used without either.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
     /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
@@ -96,6 +97,8 @@ pub(crate) enum OfVertices {
     Colors(Arc<[Radiance]>),
     /// The value of each vertex, with the smallest and the largest finite one.
     Values(Arc<[f64]>, Option<[f64; 2]>),
+    /// The color of each triangle.
+    OfTriangles(Arc<[Color]>),
 }
 
 impl From<&str> for MeshFileModel {
@@ -169,6 +172,9 @@ impl MeshModel {
             OfVertices::Values(values, range) => {
                 let scale = self.color_by.as_ref()?.build(*range);
                 Some(VertexColors::Values(Arc::clone(values), scale))
+            }
+            OfVertices::OfTriangles(colors) => {
+                Some(VertexColors::OfTriangles(Arc::clone(colors)))
             }
         }
     }

@@ -126,7 +126,7 @@ fn numbers(
 ) -> Vec<f64> {
     let number = |selected: &Selected| {
         let word = words.get(selected.index).copied().unwrap_or_default();
-        let number = number(word, selected.scalar).map(|number| number / selected.divisor);
+        let number = number(word, selected.scalar).map(|number| selected.number(number));
         number.unwrap_or_else(|| {
             let property = element.properties.get(selected.index);
             let name = property.map_or("", |property| &property.name);

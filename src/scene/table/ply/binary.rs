@@ -91,7 +91,7 @@ pub(super) fn read(
             let number = selected
                 .scalar
                 .number(bytes.get(at..).unwrap_or_default(), endian);
-            number.unwrap_or_default() / selected.divisor
+            selected.number(number.unwrap_or_default())
         }));
         packed.push(&numbers, None)?;
     }
@@ -118,6 +118,9 @@ fn layout(
     };
     let stride = vertex.stride().filter(|stride| *stride <= LARGEST_ROW)?;
     start.checked_add(stride)?;
+    if selection.iter().any(|selected| selected.shift.is_some()) {
+        return None;
+    }
     let column = |selected: Selected| {
         let before = vertex.properties.iter().take(selected.index);
         let offset = before.map(|property| match property.kind {

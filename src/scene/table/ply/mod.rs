@@ -10,7 +10,7 @@ pub(crate) mod header;
 
 use std::io::{Cursor, Read};
 
-use header::{Element, Encoding, Header, Type};
+use header::{Element, Encoding, Header, Property, Type};
 
 use crate::{
     scene::table::{
@@ -33,6 +33,43 @@ pub(super) const KNOWN: Known = known(Some("radius"), COLOR);
 
 /// The channels of the color of a vertex.
 const COLOR: [Option<&str>; 3] = [Some("red"), Some("green"), Some("blue")];
+
+/// The same as old programs name them.
+const DIFFUSE: [Option<&str>; 3] = [
+    Some("diffuse_red"),
+    Some("diffuse_green"),
+    Some("diffuse_blue"),
+];
+
+/// The names of one number with all channels, as the Point Cloud Library writes them.
+const PACKED: [&str; 2] = ["rgb", "rgba"];
+
+/// The properties of the color of an element, if it has one.
+#[derive(Clone, Copy)]
+enum ColorOf {
+    Channels([Option<&'static str>; 3]),
+    Packed(usize),
+}
+
+impl ColorOf {
+    fn new(element: &Element) -> Self {
+        let has = |name: &str| element.properties.iter().any(|each| each.name == name);
+        let packed = |property: &Property| {
+            let is_number = matches!(
+                property.kind,
+                Type::Scalar(Scalar::F32 | Scalar::I32 | Scalar::U32)
+            );
+            is_number && PACKED.contains(&property.name.as_str())
+        };
+        let is_any = |names: [Option<&str>; 3]| names.into_iter().flatten().any(has);
+        match element.properties.iter().position(packed) {
+            _ if is_any(COLOR) => Self::Channels(COLOR),
+            _ if is_any(DIFFUSE) => Self::Channels(DIFFUSE),
+            Some(index) => Self::Packed(index),
+            None => Self::Channels(COLOR),
+        }
+    }
+}
 
 /// Returns the properties of a vertex with or without a radius and a color.
 const fn known(radius: Option<&'static str>, color: [Option<&'static str>; 3]) -> Known {
@@ -98,7 +135,35 @@ fn read_header(
 pub(crate) struct Selected {
     pub(crate) index: usize,
     scalar: Scalar,
-    pub(crate) divisor: f64,
+    divisor: f64,
+    /// The first bit of a channel, if one number has all of them.
+    shift: Option<u32>,
+}
+
+impl Selected {
+    const fn new(index: usize, scalar: Scalar) -> Self {
+        Self {
+            index,
+            scalar,
+            divisor: 1.0,
+            shift: None,
+        }
+    }
+
+    /// Returns the number that a value of the property stands for.
+    #[inline(always)]
+    pub(crate) fn number(&self, value: f64) -> f64 {
+        match self.shift {
+            None => value / self.divisor,
+            Some(shift) => {
+                let bits = match self.scalar {
+                    Scalar::F32 => (value as f32).to_bits(),
+                    _ => value as i64 as u32,
+                };
+                f64::from((bits >> shift) & 0xff) / self.divisor
+            }
+        }
+    }
 }
 
 /// The properties that are read.
@@ -110,7 +175,7 @@ pub(crate) struct Selection {
 impl Selection {
     /// Selects the properties of spheres.
     fn of_spheres(vertex: &Element, request: &Request) -> Result<Self, Fault> {
-        Self::new(vertex, &KNOWN, request)
+        Self::new(vertex, Some("radius"), true, request)
     }
 
     /// Selects the properties of the corners of triangles: their colors if these are wanted, and the
@@ -120,15 +185,46 @@ impl Selection {
         has_colors: bool,
         value: Option<&str>,
     ) -> Result<Self, Fault> {
-        let color = if has_colors { COLOR } else { [None; 3] };
         let request = Request {
             value,
             ..Request::default()
         };
-        Self::new(vertex, &known(None, color), &request)
+        Self::new(vertex, None, has_colors, &request)
     }
 
-    fn new(vertex: &Element, known: &Known, request: &Request) -> Result<Self, Fault> {
+    /// Selects the color of a face, if it has one.
+    pub(crate) fn of_face(face: &Element) -> Result<Option<[Selected; 3]>, Fault> {
+        let indices = match ColorOf::new(face) {
+            ColorOf::Packed(index) => return Ok(packed(face, index)),
+            ColorOf::Channels(names) => names.map(|name| {
+                let mut properties = face.properties.iter();
+                properties.position(|property| Some(property.name.as_str()) == name)
+            }),
+        };
+        let selected = |index: Option<usize>| {
+            let property = index.and_then(|index| face.properties.get(index));
+            match (index, property.map(|property| property.kind)) {
+                (Some(index), Some(Type::Scalar(scalar))) => Some(Selected::new(index, scalar)),
+                _ => None,
+            }
+        };
+        let [Some(red), Some(green), Some(blue)] = indices.map(selected) else {
+            return Ok(None);
+        };
+        Ok(Some([channel(red)?, channel(green)?, channel(blue)?]))
+    }
+
+    fn new(
+        vertex: &Element,
+        radius: Option<&'static str>,
+        has_colors: bool,
+        request: &Request,
+    ) -> Result<Self, Fault> {
+        let color = ColorOf::new(vertex);
+        let known = &match color {
+            ColorOf::Channels(names) if has_colors => known(radius, names),
+            _ => known(radius, [None; 3]),
+        };
         let names: Vec<_> = vertex
             .properties
             .iter()
@@ -150,15 +246,21 @@ impl Selection {
                     _ => fault,
                 });
             };
-            let selected = Selected {
-                index,
-                scalar,
-                divisor: 1.0,
-            };
+            let selected = Selected::new(index, scalar);
             *column = Some(match COLORS.contains(&at) {
                 true => channel(selected)?,
                 false => selected,
             });
+        }
+        if let ColorOf::Packed(index) = color
+            && has_colors
+            && request.value.is_none()
+            && let Some(channels) = packed(vertex, index)
+        {
+            let of_color = columns.iter_mut().skip(COLORS.start);
+            for (column, channel) in of_color.zip(channels) {
+                *column = Some(channel);
+            }
         }
         // Vertices have normals, texture coordinates and more, which spheres do not need.
         let names = Names {
@@ -185,19 +287,35 @@ fn names_of_numbers(vertex: &Element) -> Vec<&str> {
     numbers.map(|property| property.name.as_str()).collect()
 }
 
-/// Sets the divisor of a channel: 255 for bytes.
+/// Sets the divisor of a channel: its largest value, by its type. The larger integers hold bytes.
 fn channel(selected: Selected) -> Result<Selected, Fault> {
-    match selected.scalar {
-        Scalar::U8 => Ok(Selected {
-            divisor: 255.0,
-            ..selected
-        }),
-        Scalar::F32 | Scalar::F64 => Ok(selected),
+    let divisor = match selected.scalar {
+        Scalar::U8 | Scalar::I16 | Scalar::I32 | Scalar::U32 => 255.0,
+        Scalar::U16 => 65535.0,
+        Scalar::F32 | Scalar::F64 => 1.0,
         _ => {
             let message = "the type of the color does not determine its range";
-            Err(Fault::new(message).help("channels are `uchar`, 0 to 255, or `float`, 0 to 1"))
+            return Err(
+                Fault::new(message).help("channels are `uchar`, 0 to 255, or `float`, 0 to 1")
+            );
         }
-    }
+    };
+    Ok(Selected {
+        divisor,
+        ..selected
+    })
+}
+
+/// Returns the channels of a color in one number: red, green and blue from bit 16 on down.
+fn packed(element: &Element, index: usize) -> Option<[Selected; 3]> {
+    let Type::Scalar(scalar) = element.properties.get(index)?.kind else {
+        return None;
+    };
+    Some([16, 8, 0].map(|shift| Selected {
+        divisor: 255.0,
+        shift: Some(shift),
+        ..Selected::new(index, scalar)
+    }))
 }
 
 /// Formats the place of a row for the start of a message.
