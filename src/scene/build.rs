@@ -236,7 +236,7 @@ impl Builder<'_> {
         let content = match (self.tables.take(*at), model) {
             (Some(Content::Table(table)), model) => {
                 self.table(&model, &table, origin, placement)?;
-                SpanContent::Table(Arc::clone(&table.names().all))
+                SpanContent::Table(Arc::clone(&table.names().all), table.left_out().cloned())
             }
             (Some(Content::Part { part, .. }), _) => {
                 self.scales.add_part(origin, first, &part.places);

@@ -7,6 +7,7 @@ use crate::scene::{
     names::Names,
     origin::{InstancesOf, Origin, PartGeometries, TableRows},
     part::Places,
+    table::left_out::LeftOut,
 };
 
 /// The names of the geometries in a list, and the origins of the geometries of the world that they
@@ -30,8 +31,8 @@ struct Span {
 /// What a span holds.
 #[derive(Clone, Debug)]
 pub(crate) enum SpanContent {
-    /// The rows of a table with these columns.
-    Table(Arc<[String]>),
+    /// The rows of a table with these columns, and those of its file that it does not have.
+    Table(Arc<[String]>, Option<Arc<LeftOut>>),
     /// The geometries of a part, with their places in its file.
     Part(Arc<Places>),
     /// The geometries of a group, with their places in it.
@@ -83,7 +84,7 @@ impl Origins {
     /// Each table.
     pub(crate) fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
         self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Table(columns) = placed.content else {
+            let SpanContent::Table(columns, _) = placed.content else {
                 return None;
             };
             Some(TableRows {
@@ -175,7 +176,7 @@ impl Origins {
     pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
         self.spans.iter().filter_map(|span| {
             let (kind, list) = match &span.content {
-                SpanContent::Table(_) | SpanContent::Instances(..) => return None,
+                SpanContent::Table(..) | SpanContent::Instances(..) => return None,
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
@@ -207,7 +208,7 @@ impl Origins {
         iter::successors(Some(self.find(index)), |found| match found.span {
             Some((span, index)) => match &span.content {
                 SpanContent::Group(list) => Some(list.find(index)),
-                SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Instances(..) => None,
+                SpanContent::Table(..) | SpanContent::Part(_) | SpanContent::Instances(..) => None,
             },
             None => None,
         })
@@ -226,8 +227,11 @@ impl Origins {
             last = Some(found);
         }
         if let Some((span, index)) = last.and_then(|found| found.span) {
-            match span.content {
-                SpanContent::Table(_) => origin.row = Some(index),
+            match &span.content {
+                SpanContent::Table(_, left_out) => {
+                    let row = left_out.as_ref().map(|left_out| left_out.row_in_file(index));
+                    origin.row = Some(row.unwrap_or(index));
+                }
                 SpanContent::Instances(..) => origin.instance = Some(index),
                 SpanContent::Part(_) | SpanContent::Group(_) => {}
             }
@@ -256,7 +260,7 @@ impl Origins {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
             SpanContent::Part(part) => Some((part, index)),
-            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Instances(..) => None,
+            SpanContent::Table(..) | SpanContent::Group(_) | SpanContent::Instances(..) => None,
         }
     }
 
@@ -357,7 +361,7 @@ mod tests {
             first,
             count,
             geometry,
-            content: SpanContent::Table([].into()),
+            content: SpanContent::Table([].into(), None),
         };
         // Two spheres, a table of three, one of none, a sphere, and a table of one.
         let origins = spans(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
@@ -432,7 +436,7 @@ mod tests {
             geometry,
             content,
         };
-        let table = || SpanContent::Table([].into());
+        let table = || SpanContent::Table([].into(), None);
         // A sphere, a group of a sphere, a table of two, an empty group and a group of a sphere, and
         // a sphere.
         let mut inmost = spans(Vec::new());

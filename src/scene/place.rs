@@ -150,6 +150,21 @@ impl Place<'_> {
         self.problem(Code::InvalidTable, format!("{row}: {error}"))
     }
 
+    /// Warns about what a table does not take from its file.
+    pub(super) fn not_taken(&self, table: &Table) -> impl Iterator<Item = Problem> {
+        let left_out = table.left_out().map(|left_out| {
+            let row = row(left_out.first, table.line(left_out.first));
+            let more = and_more(left_out.count);
+            let message = format!("{row}: all coordinates are NaN, so there is no point{more}");
+            self.problem(Code::NoEffect, message)
+        });
+        let behind = table.behind().map(|fault| {
+            let problem = self.problem(Code::NoEffect, &fault.message);
+            problem.help_of(fault.help.clone())
+        });
+        left_out.into_iter().chain(behind)
+    }
+
     /// Warns about columns that set nothing.
     pub(super) fn unused_columns(
         &self,

@@ -108,6 +108,7 @@ pub(crate) fn read(
         let table = match open(named, model.materials.as_ref(), &place, files, options) {
             Ok((table, format)) => {
                 place.check(named, &table, format, &mut problems);
+                problems.extend(place.not_taken(&table));
                 place.unused_columns(named, &table, format, &mut problems);
                 if table.has_unread_rows() || !place.has_values(named, &table, &mut problems) {
                     continue;

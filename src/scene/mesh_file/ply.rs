@@ -15,7 +15,7 @@ use crate::{
             Fault, ReadError,
             layout::{COLORS, Endian, VALUE},
             ply::{
-                Selected, Selection, VERTEX,
+                BEHIND, Selected, Selection, VERTEX,
                 ascii::number,
                 header::{Element, Encoding, Header, Type},
             },
@@ -97,9 +97,6 @@ fn corners(element: &Element) -> Result<Option<usize>, Fault> {
         }
     }
 }
-
-/// The help for a file that goes on behind its end.
-const BEHIND: &str = "they are not read; are the numbers of rows in the header right?";
 
 struct Reader {
     encoding: Encoding,
@@ -308,13 +305,13 @@ impl Reader {
         if self.encoding == Encoding::Ascii {
             if let Some((line, _)) = file.line(|_, _| false)? {
                 mesh.note(Flaw::Behind, || {
-                    Fault::new(format!("line {line}: text after the last row")).help(BEHIND)
+                    Fault::new(format!("line {line}: text after the last row is not read")).help(BEHIND)
                 });
             }
         } else if file.remaining() > 0 {
             mesh.note(Flaw::Behind, || {
                 let behind = file.remaining();
-                Fault::new(format!("bytes after the last row: {behind}")).help(BEHIND)
+                Fault::new(format!("bytes after the last row are not read: {behind}")).help(BEHIND)
             });
         }
         Ok(())

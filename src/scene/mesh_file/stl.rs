@@ -91,8 +91,8 @@ fn binary(mut file: Stream<impl Read>, count: usize) -> Result<MeshFile, ReadErr
     let behind = file.remaining();
     if behind > 0 {
         mesh.note(Flaw::Behind, || {
-            Fault::new(format!("bytes after the last triangle: {behind}"))
-                .help("they are not read; is the number of triangles in the header right?")
+            Fault::new(format!("bytes after the last triangle are not read: {behind}"))
+                .help("is the number of triangles in the header right?")
         });
     }
     Ok(mesh)

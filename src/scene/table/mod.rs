@@ -14,6 +14,7 @@ mod extent;
 mod fault;
 mod format;
 pub(crate) mod layout;
+pub(crate) mod left_out;
 mod npy;
 mod npz;
 pub(crate) mod ply;
@@ -45,6 +46,7 @@ use crate::{
             extent::Extent,
             fault::Wrong,
             layout::{Block, COLORS, Column, Columns, Layout, RADIUS, Scalar, VALUE},
+            left_out::LeftOut,
             rows::Empty,
         },
     },
@@ -112,6 +114,10 @@ pub(crate) struct Table {
     /// The line of the first row, in a text with one line per row.
     first_line: Option<u64>,
     format: Format,
+    /// The rows of the file that are not in the table.
+    left_out: Option<Arc<LeftOut>>,
+    /// The warning about a file that goes on behind its last row.
+    behind: Option<Fault>,
 }
 
 impl fmt::Debug for Table {
@@ -144,6 +150,7 @@ impl Table {
             Format::Xyz => atoms::read_xyz(reader, length, request),
             Format::Pdb => atoms::read_pdb(reader, length, request),
         }?;
+        let table = table.without_missing(&request.defaults)?;
         Ok(Self { format, ..table })
     }
 
@@ -174,6 +181,8 @@ impl Table {
             empty: Arc::default(),
             first_line: None,
             format: Format::Csv,
+            left_out: None,
+            behind: None,
         }
     }
 
@@ -197,6 +206,11 @@ impl Table {
     pub(crate) fn has_no_numbers(&self, bad: &BadRows, by: &ColorByModel) -> bool {
         let is_of_value = bad.wrong == Wrong::Number && *bad.column == *by.column;
         is_of_value && self.values().is_some_and(|values| values.range().is_none())
+    }
+
+    /// Returns the warning about a file that goes on behind its last row.
+    pub(crate) const fn behind(&self) -> Option<&Fault> {
+        self.behind.as_ref()
     }
 
     /// Returns the names of the columns.
@@ -224,7 +238,7 @@ impl Table {
         self.extent.may_enclose(point)
     }
 
-    /// Returns the line of a row, if known.
+    /// Returns the line of a row of the file, if known.
     pub(crate) fn line(&self, row: usize) -> Option<u64> {
         self.first_line.map(|first| first + row as u64)
     }

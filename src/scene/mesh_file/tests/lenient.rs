@@ -119,7 +119,7 @@ fn what_is_behind_the_end_is_not_read() {
     let bytes = shape.binary_stl("solid");
     let (mesh, warnings) = warned(&[&bytes[..], b"12"].concat(), Format::Stl);
     assert_eq!(mesh.triangles.len(), shape.triangles().len());
-    assert_eq!(warnings, ["bytes after the last triangle: 2"]);
+    assert_eq!(warnings, ["bytes after the last triangle are not read: 2"]);
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn triangles_have_attributes() {
     read(&colored, Format::Stl);
     colored.push(b'\n');
     let (_, warnings) = warned(&colored, Format::Stl);
-    assert_eq!(warnings, ["bytes after the last triangle: 1"]);
+    assert_eq!(warnings, ["bytes after the last triangle are not read: 1"]);
 }
 
 const FACET: &str = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop \

@@ -8,7 +8,7 @@ use crate::{
         fault::Wrong,
         layout::Scalar,
         ply::{
-            Selected, Selection, VERTEX,
+            BEHIND, Selected, Selection, VERTEX,
             header::{Element, Header, Type},
             row_of,
         },
@@ -61,12 +61,14 @@ pub(super) fn read(
             }
         }
     }
-    if let Some((line, _)) = lines.next() {
-        rows.note(Wrong::End, "", || {
-            Fault::new(format!("line {line}: text after the last row"))
-        });
-    }
-    Ok(rows.into_table(selection.has(), selection.names.clone(), defaults))
+    let behind = lines.next().map(|(line, _)| {
+        let message = format!("line {line}: text after the last row is not read");
+        Fault::new(message).help(BEHIND)
+    });
+    Ok(Table {
+        behind,
+        ..rows.into_table(selection.has(), selection.names.clone(), defaults)
+    })
 }
 
 /// The nonempty lines with their numbers.

@@ -9,7 +9,7 @@ use crate::{
         check::Check,
         layout::{Column, Endian, Layout, VALUE},
         ply::{
-            Selected, Selection, VERTEX,
+            BEHIND, Selected, Selection, VERTEX,
             header::{Element, Header, Type},
             row_of,
         },
@@ -50,10 +50,10 @@ pub(super) fn read(
         }
     }
     let behind = bytes.len() - walk.at;
-    if behind > 0 {
-        let message = format!("bytes after the last row: {behind}");
-        return Err(Fault::new(message).into());
-    }
+    let behind = (behind > 0).then(|| {
+        let message = format!("bytes after the last row are not read: {behind}");
+        Fault::new(message).help(BEHIND)
+    });
     let (rows, range) = vertices;
     if let Some(check) = check {
         // The bytes after the vertices are not needed.
@@ -63,7 +63,10 @@ pub(super) fn read(
         } else {
             bytes
         };
-        return Ok(Table::new(bytes, check, selection.names.clone()));
+        return Ok(Table {
+            behind,
+            ..Table::new(bytes, check, selection.names.clone())
+        });
     }
     let mut packed = Rows::new();
     let vertex = header
@@ -95,7 +98,10 @@ pub(super) fn read(
         }));
         packed.push(&numbers, None)?;
     }
-    Ok(packed.into_table(selection.has(), selection.names.clone(), defaults))
+    Ok(Table {
+        behind,
+        ..packed.into_table(selection.has(), selection.names.clone(), defaults)
+    })
 }
 
 /// Returns the layout of the vertices, if it is known before any row is read and the rows are not

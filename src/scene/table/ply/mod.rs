@@ -25,6 +25,9 @@ use crate::{
 /// The element that is read.
 pub(crate) const VERTEX: &str = "vertex";
 
+/// The help for a file that goes on behind its end.
+pub(crate) const BEHIND: &str = "are the numbers of rows in the header right?";
+
 /// Size of the start of a file that contains the header, except for long ones.
 const HEAD: usize = if cfg!(test) { 318 } else { 1 << 16 };
 

@@ -112,7 +112,11 @@ pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
         assert!(!message.is_empty() && !message.contains('\n'), "{message}");
     }
     let longer = [bytes, b"1"].concat();
-    let message = rows(&longer, format).expect_err("a file with more behind it");
+    let longer = table(&longer, format, &DEFAULTS);
+    let message = match format {
+        Format::Ply => longer.unwrap().behind.unwrap().message,
+        _ => longer.expect_err("a file with more behind it"),
+    };
     assert!(message.contains("after the last row"), "{message}");
 }
 

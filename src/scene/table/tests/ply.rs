@@ -131,6 +131,42 @@ fn bytes_of_color_are_divided_by_255() {
     }
 }
 
+#[test]
+fn colors_have_many_names_and_types() {
+    let orange = [1.0, 128.0 / 255.0, 0.0];
+    let float = format!("{:e}", f32::from_bits(0x00ff_8000));
+    for (properties, values) in [
+        ("ushort red, ushort green, ushort blue", "65535 32896 0"),
+        ("int red, uint green, short blue", "255 128 0"),
+        ("uchar diffuse_red, uchar diffuse_green, uchar diffuse_blue", "255 128 0"),
+        ("uint rgb", "16744448"),
+        ("int rgba", "-32768"),
+        ("float rgb", &float),
+    ] {
+        let numbers = values.split(' ').map(|word| word.parse().unwrap());
+        let numbers: Vec<f64> = numbers.collect();
+        for encoding in ENCODINGS {
+            let mut header = "element vertex 1\n".to_owned();
+            let names = "float x, float y, float z, ".to_owned() + properties;
+            for name in names.split(", ") {
+                header += &format!("property {name}\n");
+            }
+            let mut writer = Writer::new(encoding, &header);
+            let kinds = names.split(", ").map(|name| name.split(' ').next().unwrap());
+            for (kind, number) in kinds.zip([&[1.0, 2.0, 3.0], &numbers[..]].concat()) {
+                writer.put(kind, number);
+            }
+            writer.end_row();
+            let sphere = ([1.0, 2.0, 3.0], DEFAULTS.radius.unwrap(), orange);
+            assert_eq!(
+                rows(&writer.bytes, Format::Ply),
+                Ok(vec![sphere]),
+                "{encoding:?} {properties}"
+            );
+        }
+    }
+}
+
 /// Returns a file with much else: lists and properties between those that are read, and elements
 /// before and after, so that all rows have the same size or not.
 fn crowded(encoding: Encoding, with_list: bool, spheres: &[Sphere]) -> Vec<u8> {
@@ -263,8 +299,10 @@ fn parts_of_a_file_are_rejected() {
     for end in 0..whole - 1 {
         assert!(rows(&bytes[..end], Format::Ply).is_err(), "{end}");
     }
-    let message = rows(&[&bytes[..], b"1\n"].concat(), Format::Ply).unwrap_err();
-    assert!(message.ends_with("text after the last row"), "{message}");
+    let longer = table(&[&bytes[..], b"1\n"].concat(), Format::Ply, &DEFAULTS).unwrap();
+    let message = longer.behind.unwrap().message;
+    assert!(message.ends_with("text after the last row is not read"), "{message}");
+    assert_eq!(longer.layout.rows, 5);
 }
 
 #[test]
