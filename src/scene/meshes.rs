@@ -169,7 +169,9 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
             .map(|[r, g, b]| Color::new(r, g, b).to_linear());
         (mesh, OfVertices::Colors(light.collect()))
     } else if !of_triangles.is_empty() {
-        let colors = of_triangles.into_iter().map(|[r, g, b]| Color::new(r, g, b));
+        let colors = of_triangles
+            .into_iter()
+            .map(|[r, g, b]| Color::new(r, g, b));
         let colors = OfVertices::OfTriangles(colors.collect());
         (Mesh::new(vertices, triangles)?, colors)
     } else {

@@ -229,7 +229,9 @@ impl Origins {
         if let Some((span, index)) = last.and_then(|found| found.span) {
             match &span.content {
                 SpanContent::Table(_, left_out) => {
-                    let row = left_out.as_ref().map(|left_out| left_out.row_in_file(index));
+                    let row = left_out
+                        .as_ref()
+                        .map(|left_out| left_out.row_in_file(index));
                     origin.row = Some(row.unwrap_or(index));
                 }
                 SpanContent::Instances(..) => origin.instance = Some(index),

@@ -7,7 +7,10 @@ use std::{
 
 use glam::DVec3;
 
-use crate::scene::{mesh_file::{MeshFile, place::Place}, table::ReadError};
+use crate::scene::{
+    mesh_file::{MeshFile, place::Place},
+    table::ReadError,
+};
 
 /// A hash table of the vertices of a mesh by their bits: 8 bytes for a vertex or a little more, a
 /// fifth of what a map of copies takes.

@@ -409,14 +409,17 @@ impl MeshFile {
         }
         if let Some(what) = crossing {
             self.note(Flaw::Crossing, || {
-                Fault::new(format!("{place}: {what}; it is a fan around its first corner"))
-                    .help("save the mesh as triangles")
+                Fault::new(format!(
+                    "{place}: {what}; it is a fan around its first corner"
+                ))
+                .help("save the mesh as triangles")
             });
         }
         if !fan.is_flat {
             self.note(Flaw::NotFlat, || {
-                Fault::new(format!("{place}: the corners of a face are not in a plane"))
-                    .help("save the mesh as triangles, so that its shape does not depend on the program")
+                Fault::new(format!("{place}: the corners of a face are not in a plane")).help(
+                    "save the mesh as triangles, so that its shape does not depend on the program",
+                )
             });
         }
         true

@@ -99,13 +99,19 @@ fn is_in_name(line: &[u8]) -> bool {
     let mut words = start.split(u8::is_ascii_whitespace);
     let keyword = words.find(|word| !word.is_empty());
     keyword.is_some_and(|keyword| OF_NAMES.contains(&keyword))
-        && line.iter().nth_back(1).is_some_and(|byte| !byte.is_ascii_whitespace())
+        && line
+            .iter()
+            .nth_back(1)
+            .is_some_and(|byte| !byte.is_ascii_whitespace())
 }
 
 /// Returns true if a word of the last line starts with `#`.
 #[cold]
 fn has_comment(line: &[u8], last: usize) -> bool {
-    let mut words = line.get(last..).unwrap_or_default().split(u8::is_ascii_whitespace);
+    let mut words = line
+        .get(last..)
+        .unwrap_or_default()
+        .split(u8::is_ascii_whitespace);
     words.any(|word| word.starts_with(b"#"))
 }
 

@@ -87,7 +87,9 @@ fn corners(element: &Element) -> Result<Option<usize>, Fault> {
     let index = properties
         .position(|property| CORNERS.contains(&property.name.as_str()))
         .ok_or_else(|| {
-            Fault::new(format!("the element `{name}` has no property `vertex_indices`"))
+            Fault::new(format!(
+                "the element `{name}` has no property `vertex_indices`"
+            ))
         })?;
     match element.properties.get(index).map(|property| property.kind) {
         Some(Type::List { item, .. }) if item.is_integer() => Ok(Some(index)),
@@ -147,7 +149,12 @@ impl Reader {
                 let mut selected = self.selection.iter();
                 is_vertex && selected.any(|selected| selected.index == index)
                     || corners == Some(index)
-                    || is_face && self.of_face.iter().flatten().any(|each| each.index == index)
+                    || is_face
+                        && self
+                            .of_face
+                            .iter()
+                            .flatten()
+                            .any(|each| each.index == index)
             })
             .collect();
         if is_vertex {
@@ -226,12 +233,7 @@ impl Reader {
     }
 
     #[inline(always)]
-    fn face(
-        &mut self,
-        mesh: &mut MeshFile,
-        corners: usize,
-        place: Place,
-    ) -> Result<(), ReadError> {
+    fn face(&mut self, mesh: &mut MeshFile, corners: usize, place: Place) -> Result<(), ReadError> {
         self.indices.clear();
         for number in self.row.list(corners) {
             let Some(corner) = self.corner(*number) else {
@@ -305,7 +307,8 @@ impl Reader {
         if self.encoding == Encoding::Ascii {
             if let Some((line, _)) = file.line(|_, _| false)? {
                 mesh.note(Flaw::Behind, || {
-                    Fault::new(format!("line {line}: text after the last row is not read")).help(BEHIND)
+                    Fault::new(format!("line {line}: text after the last row is not read"))
+                        .help(BEHIND)
                 });
             }
         } else if file.remaining() > 0 {

@@ -230,7 +230,11 @@ impl Polygon {
                 .into_iter()
                 .any(|to| area([a, b, to]) > 0.0 && area([b, c, to]) > 0.0);
         }
-        let least = if ear < Ear::Touched { -self.small } else { self.small };
+        let least = if ear < Ear::Touched {
+            -self.small
+        } else {
+            self.small
+        };
         [[a, b], [b, c], [c, a]]
             .into_iter()
             .all(|[from, to]| area([from, to, at]) >= least)
@@ -315,7 +319,9 @@ mod tests {
             let count = 3 + rng.below(12);
             let mut angles: Vec<f64> = (0..count).map(|_| rng.signed().abs() * 6.28).collect();
             angles.sort_by(f64::total_cmp);
-            let points = angles.iter().map(|angle| [libm::cos(*angle), libm::sin(*angle)]);
+            let points = angles
+                .iter()
+                .map(|angle| [libm::cos(*angle), libm::sin(*angle)]);
             let mut points: Vec<_> = points.collect();
             // Corners between two others on a line.
             for at in (1..points.len()).rev() {
@@ -338,18 +344,25 @@ mod tests {
             let turns = |index: usize| index as f64 / count as f64 * std::f64::consts::TAU;
             let star = (0..count).map(|index| {
                 let radius = 0.05 + rng.signed().abs();
-                [radius * libm::cos(turns(index)), radius * libm::sin(turns(index))]
+                [
+                    radius * libm::cos(turns(index)),
+                    radius * libm::sin(turns(index)),
+                ]
             });
             let star: Vec<_> = star.collect();
             let arm = |width: f64| {
                 let point = move |index: usize| {
                     let radius = 1.0 + 0.2 * index as f64 + width;
-                    [radius * libm::cos(0.5 * index as f64), radius * libm::sin(0.5 * index as f64)]
+                    [
+                        radius * libm::cos(0.5 * index as f64),
+                        radius * libm::sin(0.5 * index as f64),
+                    ]
                 };
                 (0..count).map(point)
             };
             let spiral: Vec<_> = arm(0.0).chain(arm(0.8).rev()).collect();
-            let teeth = (0..count).map(|index| [index as f64, (index % 2) as f64 * rng.signed().abs()]);
+            let teeth =
+                (0..count).map(|index| [index as f64, (index % 2) as f64 * rng.signed().abs()]);
             let mut comb: Vec<_> = teeth.collect();
             comb.extend([[count as f64, -1.0], [0.0, -1.0]]);
             for points in [star, spiral, comb, FRAME.to_vec()] {
@@ -382,7 +395,12 @@ mod tests {
     #[test]
     fn five_degrees_are_not_flat() {
         for (height, is_flat) in [(0.0, true), (0.02, true), (0.05, true), (0.06, false)] {
-            let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, height], [0.0, 1.0, 0.0]];
+            let corners = [
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [1.0, 1.0, height],
+                [0.0, 1.0, 0.0],
+            ];
             let fan = Fan::of(&corners.map(DVec3::from_array)).unwrap();
             assert_eq!(fan.is_flat, is_flat, "{height}");
             assert!(fan.is_right);

@@ -9,13 +9,11 @@ use std::io::Read;
 
 use glam::DVec3;
 
-use crate::{
-    scene::{
-        mesh_file::{
-            Flaw, MeshFile, join::Joined, place::Place, push, reserve, stl_text, stream::Stream,
-        },
-        table::{Fault, ReadError, bytes::BYTE_ORDER_MARK},
+use crate::scene::{
+    mesh_file::{
+        Flaw, MeshFile, join::Joined, place::Place, push, reserve, stl_text, stream::Stream,
     },
+    table::{Fault, ReadError, bytes::BYTE_ORDER_MARK},
 };
 
 /// The length of the comment at the start of a binary file.
@@ -78,7 +76,10 @@ fn binary(mut file: Stream<impl Read>, count: usize) -> Result<MeshFile, ReadErr
             *index = joined.vertex(corner, &mut mesh, place)?;
         }
         push(&mut mesh.triangles, indices, "triangles")?;
-        let attributes = file.bytes().get(TRIANGLE - 2..).and_then(|rest| rest.first_chunk());
+        let attributes = file
+            .bytes()
+            .get(TRIANGLE - 2..)
+            .and_then(|rest| rest.first_chunk());
         let attributes = u64::from(attributes.map_or(0, |bytes| u16::from_le_bytes(*bytes)));
         file.skip(TRIANGLE, 0);
         // The file is as long as its triangles unless they have attributes.
@@ -91,8 +92,10 @@ fn binary(mut file: Stream<impl Read>, count: usize) -> Result<MeshFile, ReadErr
     let behind = file.remaining();
     if behind > 0 {
         mesh.note(Flaw::Behind, || {
-            Fault::new(format!("bytes after the last triangle are not read: {behind}"))
-                .help("is the number of triangles in the header right?")
+            Fault::new(format!(
+                "bytes after the last triangle are not read: {behind}"
+            ))
+            .help("is the number of triangles in the header right?")
         });
     }
     Ok(mesh)

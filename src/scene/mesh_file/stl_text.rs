@@ -9,9 +9,7 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{
-            Flaw, MeshFile, join::Joined, number, place::Place, push, stream::Stream,
-        },
+        mesh_file::{Flaw, MeshFile, join::Joined, number, place::Place, push, stream::Stream},
         table::{Fault, ReadError, bytes::LONGEST_LINE},
     },
     text::nearest::{list, quote},

@@ -521,9 +521,7 @@ fn sizes_that_the_file_does_not_have_are_not_believed() {
     );
     assert_eq!(
         claim(little, "0", "1", "\0\0\0\0more"),
-        [
-            "the file has no faces; a cloud of points is `Spheres(file: …, radius: …)`",
-        ]
+        ["the file has no faces; a cloud of points is `Spheres(file: …, radius: …)`",]
     );
     let mut stl = Shape::random(&mut Rng(1)).binary_stl("");
     let (length, count) = (stl.len(), (stl.len() - 84) / 50);

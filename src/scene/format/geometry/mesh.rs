@@ -173,9 +173,7 @@ impl MeshModel {
                 let scale = self.color_by.as_ref()?.build(*range);
                 Some(VertexColors::Values(Arc::clone(values), scale))
             }
-            OfVertices::OfTriangles(colors) => {
-                Some(VertexColors::OfTriangles(Arc::clone(colors)))
-            }
+            OfVertices::OfTriangles(colors) => Some(VertexColors::OfTriangles(Arc::clone(colors))),
         }
     }
 

@@ -32,7 +32,10 @@ fn concave_faces_are_not_fans() {
     assert_eq!(early.triangles, mesh.triangles);
     let l = "v 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\n";
     for face in ["f 1 2 3 4 5 6\n", "f 2 3 4 5 6 1\n", "f 5 4 3 2 1 6\n"] {
-        let mesh = read(format!("o a\n{l}{face}o b\nf 1 2 3\n").as_bytes(), Format::Obj);
+        let mesh = read(
+            format!("o a\n{l}{face}o b\nf 1 2 3\n").as_bytes(),
+            Format::Obj,
+        );
         assert_eq!((area(&mesh), mesh.triangles.len()), (3.0 + 1.0, 5));
         assert_eq!(mesh.groups[1].first, 4);
     }
@@ -93,7 +96,11 @@ fn strips_are_triangles() {
         let at = |index: u32| mesh.vertices[index as usize];
         (at(b) - at(a)).cross(at(c) - at(a)).z
     };
-    assert!(mesh.triangles.iter().all(|triangle| normal(*triangle) > 0.0));
+    assert!(
+        mesh.triangles
+            .iter()
+            .all(|triangle| normal(*triangle) > 0.0)
+    );
     // A repeated vertex turns around a corner.
     let mesh = read(strips("9 0 1 2 2 3 -1 3 2 1").as_bytes(), Format::Ply);
     assert_eq!(mesh.triangles, [[0, 1, 2], [3, 2, 1]]);
@@ -135,7 +142,10 @@ fn triangles_have_attributes() {
     }
     let expected = read(&plain, Format::Stl);
     let mesh = read(&long, Format::Stl);
-    assert_eq!((mesh.triangles, mesh.vertices), (expected.triangles, expected.vertices));
+    assert_eq!(
+        (mesh.triangles, mesh.vertices),
+        (expected.triangles, expected.vertices)
+    );
     // Colors in the place of a number are not one.
     let mut colored = plain.clone();
     for triangle in colored[84..].chunks_mut(50) {
@@ -154,7 +164,9 @@ const FACET: &str = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 ver
 fn words_of_a_text_count_and_not_its_lines() {
     let lines = "solid a part\n# comment\nfacet normal 0 0 1\n outer loop\n// vertex\n vertex 0 0 \
                  0\n vertex 1 0 0 # first\n VERTEX 0 1e0 0\n end loop\nendfacet\nendsolid a part\n";
-    let spread = lines.replace("# comment", ";").replace("normal 0", "normal\nnan");
+    let spread = lines
+        .replace("# comment", ";")
+        .replace("normal 0", "normal\nnan");
     let name = |mesh: &MeshFile| mesh.groups.first().map(|group| group.name.clone());
     for (text, group) in [
         (lines.to_owned(), "a part"),
@@ -162,10 +174,16 @@ fn words_of_a_text_count_and_not_its_lines() {
         (lines.replace('\n', "\r\n"), "a part"),
         (spread, "a part"),
         (format!("solid {FACET} endsolid"), ""),
-        (format!("solid a facet b {FACET} end facet endsolid").replace("endfacet end", "end"), "a facet b"),
+        (
+            format!("solid a facet b {FACET} end facet endsolid").replace("endfacet end", "end"),
+            "a facet b",
+        ),
         (format!("solid x\n{FACET}\nendsolidx\n"), "x"),
         (format!("solid x\n{FACET}\nend solid x\n"), "x"),
-        (format!("solid normal facet\n{FACET}\nendsolid solid normal\n"), "normal facet"),
+        (
+            format!("solid normal facet\n{FACET}\nendsolid solid normal\n"),
+            "normal facet",
+        ),
         (format!("\n solid #1\n{FACET}\nendsolid #1"), "#1"),
     ] {
         let mesh = read(text.as_bytes(), Format::Stl);
@@ -189,7 +207,10 @@ fn words_of_a_text_count_and_not_its_lines() {
 
 #[test]
 fn numbers_that_no_face_needs_may_be_anything() {
-    let mesh = read(b"v nan nan nan\nv 0 0 0\nv 1 0 0\nv inf 0 0\nv 0 1 0\nf 2 3 5\n", Format::Obj);
+    let mesh = read(
+        b"v nan nan nan\nv 0 0 0\nv 1 0 0\nv inf 0 0\nv 0 1 0\nf 2 3 5\n",
+        Format::Obj,
+    );
     assert_eq!(mesh.triangles, [[1, 2, 4]]);
     let colored = "v 0 0 0 nan 0 0\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 2 3 4\n";
     read(colored.as_bytes(), Format::Obj);
@@ -211,7 +232,9 @@ fn vertices_without_a_color_are_white() {
 fn square(of_vertex: (&str, &str), of_face: (&str, &str)) -> String {
     let properties = |names: &str| {
         let names = names.split(", ").filter(|name| !name.is_empty());
-        names.map(|name| format!("property {name}\n")).collect::<String>()
+        names
+            .map(|name| format!("property {name}\n"))
+            .collect::<String>()
     };
     let rows = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"].map(|at| format!("{at} {}\n", of_vertex.1));
     format!(
@@ -234,22 +257,37 @@ fn colors_have_many_names_and_types() {
         ("int red, int green, int blue", "255 128 0"),
         ("short red, uint green, int blue", "255 128 0"),
         ("ushort red, ushort green, ushort blue", "65535 32896 0"),
-        ("uchar diffuse_red, uchar diffuse_green, uchar diffuse_blue", "255 128 0"),
+        (
+            "uchar diffuse_red, uchar diffuse_green, uchar diffuse_blue",
+            "255 128 0",
+        ),
         ("uint rgb", "16744448"),
         ("int rgba", "-32768"),
         ("float rgb", &format!("{float:e}")),
     ] {
-        let mesh = read(square((properties, values), ("", "")).as_bytes(), Format::Ply);
+        let mesh = read(
+            square((properties, values), ("", "")).as_bytes(),
+            Format::Ply,
+        );
         assert_eq!(mesh.colors, [orange; 4], "{properties}");
         assert_eq!(mesh.of_triangles.len(), 0);
         // Those of a face are those of all of its triangles.
-        let mesh = read(square(("", ""), (properties, values)).as_bytes(), Format::Ply);
+        let mesh = read(
+            square(("", ""), (properties, values)).as_bytes(),
+            Format::Ply,
+        );
         assert_eq!(mesh.of_triangles, [orange; 2], "{properties}");
         assert_eq!(mesh.colors.len(), 0);
         // Those of vertices come first.
-        let both = square(("float red, float green, float blue", "0 0 1"), (properties, values));
+        let both = square(
+            ("float red, float green, float blue", "0 0 1"),
+            (properties, values),
+        );
         let mesh = read(both.as_bytes(), Format::Ply);
-        assert_eq!((mesh.colors, mesh.of_triangles.len()), (vec![[0.0, 0.0, 1.0]; 4], 0));
+        assert_eq!(
+            (mesh.colors, mesh.of_triangles.len()),
+            (vec![[0.0, 0.0, 1.0]; 4], 0)
+        );
     }
     assert_eq!(
         faults(
@@ -266,13 +304,22 @@ fn colors_have_many_names_and_types() {
 #[test]
 fn names_may_end_with_a_backslash() {
     let square = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 4 4 0\n";
-    for statement in ["usemtl C:\\tex\\", "mtllib a\\", "g a\\", "o \\\\", "usemtl C:\\tex\\\r"] {
+    for statement in [
+        "usemtl C:\\tex\\",
+        "mtllib a\\",
+        "g a\\",
+        "o \\\\",
+        "usemtl C:\\tex\\\r",
+    ] {
         let text = format!("{square}{statement}\nf 1 2 3\nf 2 4 3\n");
         let mesh = try_read(text.as_bytes(), Format::Obj, None).unwrap();
         assert_eq!(mesh.triangles, [[0, 1, 2], [1, 3, 2]], "{statement}");
         assert!(!mesh.has_errors());
     }
-    let mesh = read(format!("{square}g a \\\n  b\nf 1 2 3\n").as_bytes(), Format::Obj);
+    let mesh = read(
+        format!("{square}g a \\\n  b\nf 1 2 3\n").as_bytes(),
+        Format::Obj,
+    );
     assert_eq!(mesh.groups[0].name, "a b");
 }
 
@@ -288,7 +335,9 @@ fn many_joined_lines_are_read() {
     let count = text.matches('\n').count() + 1;
     assert_eq!(
         faults(format!("{text}\nf 4\n").as_bytes(), Format::Obj),
-        [format!("line {count}: vertex 4 does not exist, the file has 3, 1 to 3")]
+        [format!(
+            "line {count}: vertex 4 does not exist, the file has 3, 1 to 3"
+        )]
     );
 }
 

@@ -138,7 +138,10 @@ fn colors_have_many_names_and_types() {
     for (properties, values) in [
         ("ushort red, ushort green, ushort blue", "65535 32896 0"),
         ("int red, uint green, short blue", "255 128 0"),
-        ("uchar diffuse_red, uchar diffuse_green, uchar diffuse_blue", "255 128 0"),
+        (
+            "uchar diffuse_red, uchar diffuse_green, uchar diffuse_blue",
+            "255 128 0",
+        ),
         ("uint rgb", "16744448"),
         ("int rgba", "-32768"),
         ("float rgb", &float),
@@ -152,7 +155,9 @@ fn colors_have_many_names_and_types() {
                 header += &format!("property {name}\n");
             }
             let mut writer = Writer::new(encoding, &header);
-            let kinds = names.split(", ").map(|name| name.split(' ').next().unwrap());
+            let kinds = names
+                .split(", ")
+                .map(|name| name.split(' ').next().unwrap());
             for (kind, number) in kinds.zip([&[1.0, 2.0, 3.0], &numbers[..]].concat()) {
                 writer.put(kind, number);
             }
@@ -301,7 +306,10 @@ fn parts_of_a_file_are_rejected() {
     }
     let longer = table(&[&bytes[..], b"1\n"].concat(), Format::Ply, &DEFAULTS).unwrap();
     let message = longer.behind.unwrap().message;
-    assert!(message.ends_with("text after the last row is not read"), "{message}");
+    assert!(
+        message.ends_with("text after the last row is not read"),
+        "{message}"
+    );
     assert_eq!(longer.layout.rows, 5);
 }
 
