@@ -5,10 +5,13 @@
 //! piece by piece into the vertices and triangles of the mesh, which is all that they keep. They
 //! open no files; `scene/tables.rs` does.
 
+mod face;
+mod flaw;
 mod join;
 mod obj;
 mod place;
 mod ply;
+mod ply_row;
 mod polygon;
 mod stl;
 mod stl_text;
@@ -20,13 +23,11 @@ use std::io::{self, Read};
 
 use glam::DVec3;
 
+pub(crate) use flaw::{Flaw, Note};
+
 use crate::{
     scene::{
-        mesh_file::{
-            place::Place,
-            polygon::{Fan, Polygon},
-            stream::Stream,
-        },
+        mesh_file::{face::Early, place::Place, stream::Stream},
         table::{Fault, Names, ReadError},
     },
     text::{nearest::quote, syntax::Decimal},
@@ -55,73 +56,6 @@ impl Format {
             _ => None,
         }
     }
-}
-
-/// A fault of a mesh file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Flaw {
-    /// A line of an unknown kind.
-    Line,
-    /// Too few or too many numbers.
-    Length,
-    /// A word that is not a number of its type.
-    Number,
-    NotFinite,
-    /// A vertex that the file does not have.
-    Index,
-    /// The file is too short.
-    End,
-    /// The file goes on behind its end.
-    Behind,
-    /// A face with fewer than three corners.
-    Corners,
-    /// A face whose corners are not in a plane.
-    NotFlat,
-    /// A face whose edges cross, or that has too many corners to find out.
-    Crossing,
-    /// A vertex without a color among others with one.
-    Colorless,
-    /// A color channel outside 0 to 1.
-    Clamped,
-    /// Materials, which are not read.
-    Material,
-    /// Lines, points and curves, which are not read.
-    NotFace,
-    /// A triangle without area.
-    Degenerate,
-}
-
-impl Flaw {
-    /// Returns true if the mesh must not be used.
-    pub(crate) const fn is_error(self) -> bool {
-        match self {
-            Self::Line
-            | Self::Length
-            | Self::Number
-            | Self::NotFinite
-            | Self::Index
-            | Self::End => true,
-            Self::Behind
-            | Self::Corners
-            | Self::NotFlat
-            | Self::Crossing
-            | Self::Colorless
-            | Self::Clamped
-            | Self::Material
-            | Self::NotFace
-            | Self::Degenerate => false,
-        }
-    }
-}
-
-/// The places of a file with the same fault.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Note {
-    pub(crate) flaw: Flaw,
-    /// The fault at the first place.
-    pub(crate) fault: Fault,
-    /// The number of places.
-    pub(crate) count: usize,
 }
 
 /// The maximum number of vertices and of triangles: an index has 32 bits, and one value is reserved
@@ -174,22 +108,6 @@ struct NotFinite {
     /// The color channel, if it is one.
     channel: Option<f64>,
 }
-
-/// A face that comes before its vertices: a fan.
-#[derive(Clone, Copy, Debug)]
-struct Early {
-    /// The first triangle.
-    first: usize,
-    /// The number of corners.
-    corners: usize,
-    place: Place,
-}
-
-/// The most work for polygons that are not fans, in a file: it takes seconds.
-const MOST_WORK: u64 = 1 << 30;
-
-/// The most corners of a polygon that is not a fan.
-const MOST_CORNERS: usize = 1 << 20;
 
 impl MeshFile {
     /// Reads a mesh file of `length` bytes.
@@ -328,101 +246,6 @@ impl MeshFile {
         // Fits, or the vertex is refused.
         let item = (vertex as u32, NotFinite { place, channel });
         push(&mut self.not_finite, item, "numbers that are not finite")
-    }
-
-    /// Adds the triangles of a face, two less than it has corners.
-    #[inline(always)]
-    fn add_face(&mut self, corners: &[u32], place: Place) -> Result<(), ReadError> {
-        let [first, rest @ ..] = corners else {
-            self.few_corners(corners, place);
-            return Ok(());
-        };
-        if rest.len() < 2 {
-            self.few_corners(corners, place);
-        }
-        let face = Early {
-            first: self.triangles.len(),
-            corners: corners.len(),
-            place,
-        };
-        for edge in rest.windows(2) {
-            if let [second, third] = edge {
-                push(&mut self.triangles, [*first, *second, *third], "triangles")?;
-            }
-        }
-        if rest.len() > 2 && !self.cut(face) {
-            push(&mut self.early, face, "faces before their vertices")?;
-        }
-        Ok(())
-    }
-
-    #[cold]
-    fn few_corners(&mut self, corners: &[u32], place: Place) {
-        self.note(Flaw::Corners, || {
-            let count = corners.len();
-            let message = format!("{place}: a face with {count} corners is not used");
-            Fault::new(message).help("a face has at least 3 corners")
-        });
-    }
-
-    /// Cuts a polygon anew if its fan is wrong; returns false if some of its vertices have not been
-    /// read.
-    fn cut(&mut self, face: Early) -> bool {
-        let fan = face.first..face.first + face.corners - 2;
-        let Some(triangles) = self.triangles.get_mut(fan) else {
-            return true;
-        };
-        let [start @ .., _] = triangles.first().copied().unwrap_or_default();
-        let ends = triangles.iter().map(|[.., end]| *end);
-        let vertices = start.into_iter().chain(ends);
-        self.corners.clear();
-        for vertex in vertices.clone() {
-            match self.vertices.get(vertex as usize) {
-                Some(at) => self.corners.push(*at),
-                None => return false,
-            }
-        }
-        let Some(fan) = Fan::of(&self.corners) else {
-            return true;
-        };
-        let place = face.place;
-        let mut crossing = None;
-        if !fan.is_right {
-            let cut = match self.corners.len() {
-                ..=MOST_CORNERS => {
-                    let polygon = Polygon::new(&fan.project(&self.corners));
-                    self.work = self.work.saturating_add(polygon.work());
-                    (self.work <= MOST_WORK).then(|| polygon.cut())
-                }
-                _ => None,
-            };
-            let vertices: Vec<u32> = vertices.collect();
-            match cut {
-                Some(Some(cut)) => {
-                    for (triangle, corners) in triangles.iter_mut().zip(cut) {
-                        *triangle = corners.map(|corner| vertices[corner]);
-                    }
-                }
-                Some(None) => crossing = Some("the edges of a face cross"),
-                None => crossing = Some("a face has too many corners that turn inward"),
-            }
-        }
-        if let Some(what) = crossing {
-            self.note(Flaw::Crossing, || {
-                Fault::new(format!(
-                    "{place}: {what}; it is a fan around its first corner"
-                ))
-                .help("save the mesh as triangles")
-            });
-        }
-        if !fan.is_flat {
-            self.note(Flaw::NotFlat, || {
-                Fault::new(format!("{place}: the corners of a face are not in a plane")).help(
-                    "save the mesh as triangles, so that its shape does not depend on the program",
-                )
-            });
-        }
-        true
     }
 
     /// Returns true if the mesh must not be used.

@@ -107,7 +107,9 @@ impl<R: Read> Stream<R> {
             return Ok(end);
         }
         self.have(PIECE)?;
-        while self.bytes().ends_with(b"\r") && self.more()? {}
+        if self.bytes().ends_with(b"\r") {
+            self.more()?;
+        }
         let has_only_cr = self.bytes().contains(&b'\r') && !self.bytes().contains(&b'\n');
         let end = if has_only_cr { b'\r' } else { b'\n' };
         self.line_end = Some(end);

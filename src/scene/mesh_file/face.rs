@@ -1,0 +1,126 @@
+//! The triangles of faces.
+
+use glam::DVec3;
+
+use crate::scene::{
+    mesh_file::{
+        Flaw, MeshFile,
+        place::Place,
+        polygon::{Fan, Polygon},
+        push,
+    },
+    table::{Fault, ReadError},
+};
+
+/// A face that comes before its vertices: a fan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Early {
+    /// The first triangle.
+    first: usize,
+    /// The number of corners.
+    corners: usize,
+    place: Place,
+}
+
+/// The most work for polygons that are not fans, in a file: it takes seconds.
+const MOST_WORK: u64 = 1 << 30;
+
+/// The most corners of a polygon that is not a fan.
+const MOST_CORNERS: usize = 1 << 20;
+
+impl MeshFile {
+    /// Adds the triangles of a face, two less than it has corners.
+    #[inline(always)]
+    pub(super) fn add_face(&mut self, corners: &[u32], place: Place) -> Result<(), ReadError> {
+        let [first, rest @ ..] = corners else {
+            self.few_corners(corners, place);
+            return Ok(());
+        };
+        if rest.len() < 2 {
+            self.few_corners(corners, place);
+        }
+        let face = Early {
+            first: self.triangles.len(),
+            corners: corners.len(),
+            place,
+        };
+        for edge in rest.windows(2) {
+            if let [second, third] = edge {
+                push(&mut self.triangles, [*first, *second, *third], "triangles")?;
+            }
+        }
+        if rest.len() > 2 && !self.cut(face) {
+            push(&mut self.early, face, "faces before their vertices")?;
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn few_corners(&mut self, corners: &[u32], place: Place) {
+        self.note(Flaw::Corners, || {
+            let count = corners.len();
+            let message = format!("{place}: a face with {count} corners is not used");
+            Fault::new(message).help("a face has at least 3 corners")
+        });
+    }
+
+    /// Cuts a polygon anew if its fan is wrong; returns false if some of its vertices have not been
+    /// read.
+    pub(super) fn cut(&mut self, face: Early) -> bool {
+        let fan = face.first..face.first + face.corners - 2;
+        let Some(triangles) = self.triangles.get_mut(fan) else {
+            return true;
+        };
+        let [start @ .., _] = triangles.first().copied().unwrap_or_default();
+        let ends = triangles.iter().map(|[.., end]| *end);
+        let vertices = start.into_iter().chain(ends);
+        self.corners.clear();
+        for vertex in vertices.clone() {
+            match self.vertices.get(vertex as usize) {
+                Some(at) => self.corners.push(*at),
+                None => return false,
+            }
+        }
+        let Some(fan) = Fan::of(&self.corners) else {
+            return true;
+        };
+        let place = face.place;
+        let mut crossing = None;
+        if !fan.is_right {
+            let cut = match self.corners.len() {
+                ..=MOST_CORNERS => {
+                    let polygon = Polygon::new(&fan.project(&self.corners));
+                    self.work = self.work.saturating_add(polygon.work());
+                    (self.work <= MOST_WORK).then(|| polygon.cut())
+                }
+                _ => None,
+            };
+            let vertices: Vec<u32> = vertices.collect();
+            match cut {
+                Some(Some(cut)) => {
+                    for (triangle, corners) in triangles.iter_mut().zip(cut) {
+                        *triangle = corners.map(|corner| vertices[corner]);
+                    }
+                }
+                Some(None) => crossing = Some("the edges of a face cross"),
+                None => crossing = Some("a face has too many corners that turn inward"),
+            }
+        }
+        if let Some(what) = crossing {
+            self.note(Flaw::Crossing, || {
+                Fault::new(format!(
+                    "{place}: {what}; it is a fan around its first corner"
+                ))
+                .help("save the mesh as triangles")
+            });
+        }
+        if !fan.is_flat {
+            self.note(Flaw::NotFlat, || {
+                Fault::new(format!("{place}: the corners of a face are not in a plane")).help(
+                    "save the mesh as triangles, so that its shape does not depend on the program",
+                )
+            });
+        }
+        true
+    }
+}
