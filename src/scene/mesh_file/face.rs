@@ -1,7 +1,5 @@
 //! The triangles of faces.
 
-use glam::DVec3;
-
 use crate::scene::{
     mesh_file::{
         Flaw, MeshFile,
@@ -58,8 +56,11 @@ impl MeshFile {
     #[cold]
     fn few_corners(&mut self, corners: &[u32], place: Place) {
         self.note(Flaw::Corners, || {
-            let count = corners.len();
-            let message = format!("{place}: a face with {count} corners is not used");
+            let corners = match corners.len() {
+                1 => "1 corner".to_owned(),
+                count => format!("{count} corners"),
+            };
+            let message = format!("{place}: a face with {corners} is not used");
             Fault::new(message).help("a face has at least 3 corners")
         });
     }

@@ -119,6 +119,7 @@ impl Reader {
             if self.state != State::Outside || self.start != line || !is(word, "solid") {
                 return Ok(());
             }
+            self.skipped = None;
         } else if COMMENTS.iter().any(|comment| word.starts_with(comment))
             && (self.naming.is_none() || self.start != line)
         {

@@ -65,13 +65,15 @@ struct Shape {
 }
 
 impl Shape {
-    /// Creates a random mesh; an f32 holds its coordinates.
+    /// Creates a random mesh of flat and convex faces; an f32 holds its coordinates.
     fn random(rng: &mut Rng) -> Self {
         let count = 3 + rng.below(40);
+        let factor = rng.vector() * 100.0;
         let vertices = (0..count).map(|index| {
-            let at = rng.vector() * 100.0;
-            // The first coordinate makes all vertices different.
-            DVec3::new(index as f64, f64::from(at.y as f32), f64::from(at.z as f32))
+            // A parabola in a plane.
+            let x = index as f64;
+            let (y, z) = (factor.x * x * x, factor.y * x * x + factor.z * x);
+            DVec3::new(x, f64::from(y as f32), f64::from(z as f32))
         });
         let vertices: Vec<_> = vertices.collect();
         let faces = (0..1 + rng.below(60)).map(|_| {

@@ -77,7 +77,7 @@ fn faces_with_few_corners_are_left_out() {
     let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
     let (mesh, warnings) = warned(text.as_bytes(), Format::Obj);
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
-    assert_eq!(warnings, ["line 4: a face with 1 corners is not used (3)"]);
+    assert_eq!(warnings, ["line 4: a face with 1 corner is not used (3)"]);
 }
 
 #[test]
@@ -332,11 +332,11 @@ fn many_joined_lines_are_read() {
     );
     let mesh = read(text.as_bytes(), Format::Obj);
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
-    let count = text.matches('\n').count() + 1;
+    let line = text.matches('\n').count() + 2;
     assert_eq!(
-        faults(format!("{text}\nf 4\n").as_bytes(), Format::Obj),
+        faults(format!("{text}\nf 1 2 4\n").as_bytes(), Format::Obj),
         [format!(
-            "line {count}: vertex 4 does not exist, the file has 3, 1 to 3"
+            "line {line}: vertex 4 does not exist, the file has 3, 1 to 3"
         )]
     );
 }

@@ -421,7 +421,7 @@ fn headers_are_rejected_with_a_reason() {
     for (color, word) in [
         ("property uchar red\nproperty uchar green\n", "only some"),
         (
-            "property int red\nproperty int green\nproperty int blue\n",
+            "property char red\nproperty char green\nproperty char blue\n",
             "`uchar`",
         ),
     ] {
