@@ -17,7 +17,7 @@ pub(super) struct Fan {
     /// False if a triangle is turned away from the others.
     pub(super) is_right: bool,
     /// False if the corners are not in a plane: they lie between two planes whose distance is more
-    /// than [`THICKNESS`] of the distance of two corners.
+    /// than a part of the distance of two corners.
     pub(super) is_flat: bool,
 }
 
@@ -25,7 +25,11 @@ pub(super) struct Fan {
 const ROUNDING: f64 = 1e-6;
 
 /// How thick a flat face may be: a square with a fold of five degrees.
-const THICKNESS: f64 = 0.02;
+const FLAT: f64 = 0.02;
+
+/// How thick a face of four corners may be: a square with a fold of 35 degrees. Those of curved surfaces
+/// are never quite flat.
+const BENT: f64 = 0.15;
 
 impl Fan {
     /// Returns the fan of at least three corners, unless they have no area.
@@ -50,10 +54,15 @@ impl Fan {
             size = size.max(to.dot(to));
         }
         let height = high - low;
+        let thickness = if is_right && corners.len() == 4 {
+            BENT
+        } else {
+            FLAT
+        };
         Some(Self {
             normal,
             is_right,
-            is_flat: height * height <= THICKNESS * THICKNESS * square * size,
+            is_flat: height * height <= thickness * thickness * square * size,
         })
     }
 
@@ -393,17 +402,26 @@ mod tests {
     }
 
     #[test]
-    fn five_degrees_are_not_flat() {
-        for (height, is_flat) in [(0.0, true), (0.02, true), (0.05, true), (0.06, false)] {
-            let corners = [
-                [0.0, 0.0, 0.0],
-                [1.0, 0.0, 0.0],
-                [1.0, 1.0, height],
-                [0.0, 1.0, 0.0],
-            ];
-            let fan = Fan::of(&corners.map(DVec3::from_array)).unwrap();
-            assert_eq!(fan.is_flat, is_flat, "{height}");
-            assert!(fan.is_right);
+    fn a_fold_is_not_flat() {
+        let folded = |height: f64| {
+            [
+                DVec3::ZERO,
+                DVec3::X,
+                DVec3::new(1.0, 1.0, height),
+                DVec3::Y,
+            ]
+        };
+        let pentagon = |height: f64| {
+            let [a, b, c, d] = folded(height);
+            [a, b, c, DVec3::new(0.5, 1.0, height / 2.0), d]
+        };
+        for (height, is_flat) in [(0.0, true), (0.4, true), (0.5, false)] {
+            let fan = Fan::of(&folded(height)).unwrap();
+            assert_eq!((fan.is_flat, fan.is_right), (is_flat, true), "{height}");
+        }
+        for (height, is_flat) in [(0.0, true), (0.03, true), (0.1, false)] {
+            let fan = Fan::of(&pentagon(height)).unwrap();
+            assert_eq!((fan.is_flat, fan.is_right), (is_flat, true), "{height}");
         }
     }
 }
