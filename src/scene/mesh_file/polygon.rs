@@ -326,7 +326,7 @@ mod tests {
         let mut rng = Rng(0x3e54_f11e_0000_0003);
         for _ in 0..cases(500) {
             let count = 3 + rng.below(12);
-            let mut angles: Vec<f64> = (0..count).map(|_| rng.signed().abs() * 6.28).collect();
+            let mut angles: Vec<f64> = (0..count).map(|_| rng.signed().abs() * 6.2).collect();
             angles.sort_by(f64::total_cmp);
             let points = angles
                 .iter()

@@ -2,7 +2,15 @@
 
 use std::fmt::Write as _;
 
-use super::*;
+use glam::DVec3;
+
+use crate::{
+    scene::mesh_file::{
+        Format, MeshFile,
+        tests::{ENCODINGS, Shape, faults, read, try_read},
+    },
+    tracer::random::Rng,
+};
 
 /// Returns the sum of the areas of the triangles.
 fn area(mesh: &MeshFile) -> f64 {
