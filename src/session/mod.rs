@@ -3,6 +3,7 @@
 
 mod camera;
 mod outline;
+mod parts;
 mod rewrite;
 mod turns;
 mod view;
@@ -14,6 +15,7 @@ use std::{
 };
 
 pub use camera::Motion;
+pub use parts::{Part, PartList};
 pub use turns::Turns;
 pub use view::{Quality, Seen, View};
 

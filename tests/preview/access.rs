@@ -64,6 +64,14 @@ fn assert_all_accessible(browser: &Browser, name: &str) {
     let page = Page::of(browser, EVERYTHING);
     page.wait("document.querySelector('#source .swatch')");
     assert_accessible(&page, "drawn");
+    page.click("#parts summary");
+    page.wait("document.querySelector('.part')");
+    page.shot(&format!("{name}-parts"));
+    assert_accessible(&page, "parts");
+    page.click("#parts summary");
+    page.click("#show-keys");
+    assert_accessible(&page, "keys");
+    page.keys(&key::ESCAPE.to_string());
     page.call("picture.scrollIntoView({block: 'center'})", &[]);
     page.click_at(page.at((32, 24)));
     page.wait("readout.textContent.includes('ball')");

@@ -16,6 +16,7 @@ mod editing;
 mod foreign;
 mod hostile;
 mod many;
+mod parts;
 mod pictures;
 mod pointing;
 mod showing;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         editing::TESTS,
         foreign::TESTS,
         many::PAGE_TESTS,
+        parts::TESTS,
         pointing::TESTS,
         showing::TESTS,
     ];

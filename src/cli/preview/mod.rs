@@ -5,6 +5,7 @@ mod drawings;
 mod findings;
 mod guard;
 mod page;
+mod parts;
 mod pictures;
 mod places;
 mod references;

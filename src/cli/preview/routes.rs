@@ -17,7 +17,7 @@ use serde_json::json;
 use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
 
 use super::{
-    desk::Desk, drawings::Drawings, guard, guard::Guard, page, pictures, references,
+    desk::Desk, drawings::Drawings, guard, guard::Guard, page, parts, pictures, references,
     references::References, texts,
 };
 
@@ -62,6 +62,7 @@ impl App {
             .route("/completions", get(texts::completions))
             .route("/hover", get(texts::hover))
             .route("/colors", get(texts::colors))
+            .route("/parts", get(parts::list).post(parts::change))
             .route("/move", post(pictures::shift))
             .route("/picture", get(pictures::picture))
             .route("/pixel", get(pictures::pixel))

@@ -110,7 +110,7 @@ pub(super) fn checked(desk: &Desk, version: u64) -> Result<Arc<Checked>, Refusal
 
 #[derive(Deserialize)]
 pub(super) struct Version {
-    version: u64,
+    pub(super) version: u64,
 }
 
 #[derive(Serialize)]

@@ -40,6 +40,15 @@ fn description(about: &'static Value) -> &'static str {
     about["description"].as_str().unwrap_or_default()
 }
 
+/// The samples of the points of a struct, in its order.
+const POINTS: [[i8; 3]; 3] = [[0, 0, 0], [1, 1, 1], [1, 0, 0]];
+/// That of a direction.
+const SIGHT: [[i8; 3]; 1] = [[0, 0, -1]];
+/// Those of several.
+const EDGES: [[i8; 3]; 2] = [[1, 0, 0], [0, 1, 0]];
+/// That of a list of three directions.
+const AXES: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+
 fn list(value: &'static Value) -> impl Iterator<Item = &'static Value> {
     value.as_array().into_iter().flatten()
 }
@@ -240,6 +249,16 @@ impl Type {
         }
     }
 
+    /// Returns true for three numbers.
+    fn is_triple(self) -> bool {
+        self.0["maxItems"] == 3 && self.0["items"]["type"] == "number" && !self.is_color()
+    }
+
+    /// Returns true for three numbers that are not all 0.
+    fn is_direction(self) -> bool {
+        self.is_triple() && self.0["not"].is_object()
+    }
+
     /// Returns a value of the type as text, with all that is required.
     pub(super) fn sample(self, syntax: Syntax) -> String {
         let tuple = |parts: &[String]| match syntax {
@@ -253,9 +272,30 @@ impl Type {
             return variant.sample(syntax);
         }
         if self.is_struct() {
-            let needed = self.fields().into_iter().filter(|field| field.is_needed);
-            let fields = needed.map(|field| {
-                let value = field.value.sample(syntax);
+            let fields = self.fields().into_iter();
+            let mut needed: Vec<_> = fields.filter(|field| field.is_needed).collect();
+            // Those that are always required come first, in the order of the manual.
+            let place = |name: &str| list(&self.0["required"]).position(|other| other == name);
+            needed.sort_by_key(|field| place(field.name).unwrap_or(usize::MAX));
+            let directions = needed.iter().filter(|field| field.value.is_direction());
+            // Not a box without a size, nor edges along one line.
+            let mut directions = if directions.count() > 1 {
+                &EDGES[..]
+            } else {
+                &SIGHT
+            }
+            .iter();
+            let mut points = POINTS.iter();
+            let fields = needed.into_iter().map(|field| {
+                let point = match field.value {
+                    value if value.is_direction() => directions.next(),
+                    value if value.is_triple() => points.next(),
+                    _ => None,
+                };
+                let value = match point {
+                    Some(point) => tuple(&point.map(|number| number.to_string())),
+                    None => field.value.sample(syntax),
+                };
                 format!("{}{value}", key(field.name, syntax))
             });
             let fields: Vec<_> = fields.collect();
@@ -265,10 +305,17 @@ impl Type {
             };
         }
         match self.0["maxItems"].as_u64() {
-            // Not a direction of length 0.
-            Some(3) if self.0["not"].is_object() => tuple(&["0", "0", "-1"].map(str::to_owned)),
+            Some(3) if self.0["items"]["maxItems"].is_u64() => {
+                let axes = AXES.map(|axis| tuple(&axis.map(|number| number.to_string())));
+                format!("[{}]", axes.join(", "))
+            }
             Some(count) => tuple(&vec!["0".to_owned(); count as usize]),
-            None if self.allows("array") => "[]".to_owned(),
+            None if self.allows("array") => match self.element(0) {
+                Some(element) if self.0["minItems"].is_u64() => {
+                    format!("[{}]", element.sample(syntax))
+                }
+                _ => "[]".to_owned(),
+            },
             None if self.is_flag() => "true".to_owned(),
             None if self.allows("number") || self.allows("integer") => "1".to_owned(),
             None => "\"\"".to_owned(),

@@ -6,6 +6,7 @@ import { FileOnDisk } from "./conflict.ts";
 import { Editor } from "./editor.ts";
 import { Gestures } from "./gestures.ts";
 import { element, Latest, showImage } from "./page.ts";
+import { Parts } from "./parts.ts";
 import { Picture, ZOOMS } from "./picture.ts";
 import { showProblems } from "./problems.ts";
 import { Readout } from "./readout.ts";
@@ -34,6 +35,8 @@ const timeline = new Timeline(picture);
 const compare = new Compare(picture);
 const file = new FileOnDisk(() => editor, tell);
 const gestures = new Gestures(picture, readout, () => editor, outlineOf, tell);
+
+const parts = new Parts(() => editor, showCamera, tell);
 
 /** The geometry that was found in the picture; null for the one at the cursor. */
 let found: string | null = null;
@@ -73,6 +76,14 @@ function onDrawn(): void {
 
 function onSettled(): void {
   if (last) editor?.show(last);
+  parts.update();
+}
+
+/** Shows a camera of the scene, by its name in the list of parts. */
+function showCamera(name: string): void {
+  picture.view.camera = last?.scene?.cameras.includes(name) ? name : undefined;
+  element<HTMLSelectElement>("camera").value = picture.view.camera ?? "";
+  void picture.draw();
 }
 
 function applyFix(edits: Edit[]): void {
@@ -100,7 +111,11 @@ function onState(state: State): void {
   file.update(state);
   if (state.scene) updateChoices(state.scene, isFirst);
   timeline.update(state.scene);
-  picture.update(state.revision, state.is_broken, state.scene);
+  parts.update();
+  if (picture.update(state.revision, state.is_broken, state.scene)) return;
+  // The picture stays, but its text is another one.
+  onPlace();
+  readout.refresh();
 }
 
 function choices(select: HTMLSelectElement, names: [string, string][], value: string): void {

@@ -48,8 +48,8 @@ export class Picture {
     new ResizeObserver(() => this.layOut()).observe(this.frame);
   }
 
-  /** Takes over the scene of a state; draws if there is something new. */
-  update(revision: number, isBroken: boolean, scene: SceneState | null): void {
+  /** Takes over the scene of a state; draws if there is something new, and returns true then. */
+  update(revision: number, isBroken: boolean, scene: SceneState | null): boolean {
     const isNew = scene?.revision !== this.scene?.revision;
     const wasBroken = this.isBroken;
     this.scene = scene;
@@ -60,6 +60,7 @@ export class Picture {
     this.canvas.hidden = scene === null;
     if (isNew && scene) void this.draw();
     else if (hasGrown || wasBroken !== isBroken) this.setState();
+    return isNew;
   }
 
   /** The query of the view. */
