@@ -95,7 +95,7 @@ pub(super) struct Explanation<'a> {
     ray: RayTerms,
     geometries: Vec<GeometryTerms<'a>>,
     hit: Option<HitTerms<'a>>,
-    /// The light of the pixel, in a lit picture or one with outlines.
+    /// The light of the pixel, unless it shows the color of its hit.
     #[serde(skip_serializing_if = "Option::is_none")]
     light: Option<LightTerms<'a>>,
     color: [f64; 3],
@@ -408,7 +408,7 @@ impl fmt::Display for Explanation<'_> {
 
         writeln!(out, "\nhit")?;
         match &self.hit {
-            None => writeln!(out, "  nothing: the pixel shows the background")?,
+            None => writeln!(out, "  nothing: the ray sees the background")?,
             Some(hit) => {
                 writeln!(out, "  {} at t = {:?}, the smallest", hit.origin, hit.t)?;
                 writeln!(out, "  point        {}", vector(hit.point))?;

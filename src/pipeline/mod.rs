@@ -21,12 +21,15 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::{Diagnostic, error::Error},
-    film::{Outlines, samples::Samples, size::Size},
+    film::{Outlines, Wanted, samples::Samples, size::Size},
     parallel::{
         Cancel,
         timings::{Stage, Timings},
     },
-    render::explained::{ExplainedPixel, View},
+    render::{
+        explained::{ExplainedPixel, View},
+        ray_tracer::RayTracer,
+    },
     scene::{
         build::{self, Built},
         document::Document,
@@ -409,11 +412,10 @@ impl Scene {
         self.world.hit(&ray).map(|(index, _)| index)
     }
 
-    /// Returns every step from the samples of a pixel to its light, for a lit picture or one with
-    /// outlines; `None` for any other. `y` counts from the bottom.
+    /// Returns every step from the samples of a pixel to its light; `None` for a flat picture with
+    /// one sample per pixel, without outlines. `y` counts from the bottom.
     #[doc(hidden)]
     pub fn explain(&self, size: Size, x: u32, y: u32) -> Option<ExplainedPixel> {
-        let is_lit = self.world.lighting().is_some();
         let row = size.height().checked_sub(y.checked_add(1)?)?;
         let is_inside = x < size.width();
         let camera = self.camera_for(size).ok()?;
@@ -424,8 +426,12 @@ impl Scene {
             samples: self.samples,
             outlines: self.outlines,
             tone: self.world.tone(self.tone),
+            is_shaded: RayTracer::with_size(&camera, &self.world, size)
+                .outlines(self.outlines)
+                .is_shaded(Wanted::Light),
         };
-        (is_inside && (is_lit || self.outlines.is_some())).then(|| view.explain(x, row))
+        let is_one_color = !view.is_shaded && self.samples == Samples::ONE;
+        (is_inside && !is_one_color).then(|| view.explain(x, row))
     }
 
     /// Returns the size of the picture given by the scene.

@@ -3,13 +3,22 @@
 use std::ops::Range;
 
 use crate::{
-    film::{Outlines, colors::NOTHING, samples::Samples, size::Size},
+    film::{
+        Outlines,
+        colors::NOTHING,
+        resolve::{PixelColor, Resolver},
+        samples::Samples,
+        size::Size,
+    },
     integrator::explain::{TracedRay, explain},
     render::{
         hits::{Hits, Rays},
         ink::Ink,
     },
-    tracer::{camera::Camera, hit::Hit, radiance::Radiance, ray::Ray, tone::Tone, world::World},
+    tracer::{
+        camera::Camera, color::Color, hit::Hit, radiance::Radiance, ray::Ray, tone::Tone,
+        world::World,
+    },
 };
 
 /// What a pixel is computed from.
@@ -20,6 +29,9 @@ pub(crate) struct View<'a> {
     pub(crate) samples: Samples,
     pub(crate) outlines: Option<Outlines>,
     pub(crate) tone: Tone,
+    /// True if the light of the samples is added up; otherwise, a pixel shows the color of a
+    /// geometry, or a mean of some.
+    pub(crate) is_shaded: bool,
 }
 
 /// A pixel and its samples.
@@ -31,8 +43,11 @@ pub struct ExplainedPixel {
     pub direct: Radiance,
     /// The mean of what surfaces reflect and let through.
     pub specular: Radiance,
-    /// From light to display values.
-    pub tone: Tone,
+    /// From light to display values; `None` in a flat picture, which has no exposure and no tone
+    /// mapping.
+    pub tone: Option<Tone>,
+    /// The color of the pixel.
+    pub color: Color,
 }
 
 /// A sample of a pixel.
@@ -89,15 +104,25 @@ impl View<'_> {
         let samples: Vec<_> = places
             .map(|place| self.sample(&hits, &rays, ink.as_ref(), place))
             .collect();
+        let from_bottom = || samples.chunks(side as usize).rev().flatten();
         let mean = |part: fn(&ExplainedSample) -> Radiance| {
-            let sum = samples.iter().map(part);
+            let sum = from_bottom().map(part);
             sum.fold(Radiance::BLACK, |sum, light| sum + light) / f64::from(self.samples.count())
         };
+        let (direct, specular) = (mean(|sample| sample.direct), mean(|sample| sample.specular));
+        let seen = from_bottom().map(|sample| sample.hit.map_or(NOTHING, |id| id as u32));
+        let resolved = || {
+            let seen: Vec<_> = seen.collect();
+            let mut pixel = Resolver::new(self.world).resolve(&seen, seen.len());
+            pixel.next().map(|pixel| pixel.color)
+        };
+        let resolved = (!self.is_shaded).then(resolved).flatten();
         ExplainedPixel {
-            direct: mean(|sample| sample.direct),
-            specular: mean(|sample| sample.specular),
+            color: resolved.map_or(self.tone.color(direct + specular), PixelColor::color),
+            tone: self.world.lighting().map(|_| self.tone),
+            direct,
+            specular,
             samples,
-            tone: self.tone,
         }
     }
 

@@ -127,3 +127,91 @@ fn a_flat_pixel_has_no_light() {
     let value: Value = serde_json::from_slice(&stdout).unwrap();
     assert!(value.get("light").is_none(), "{value}");
 }
+
+/// Compares the bytes of pixels with those of the picture, at every edge and at some places between.
+fn compare_pixels(folder: &Folder, name: &str, most: usize) {
+    run(&mut folder.strahl(["render", name, "-q", "-o", "picture.png"])).quiet_success();
+    let picture = image::open(folder.path("picture.png")).unwrap().to_rgb8();
+    let (width, height) = picture.dimensions();
+    let is_edge = |x: u32, y: u32| {
+        let own = picture.get_pixel(x, y);
+        (x + 1 < width && picture.get_pixel(x + 1, y) != own)
+            || (y + 1 < height && picture.get_pixel(x, y + 1) != own)
+    };
+    let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let edges: Vec<_> = all.filter(|(x, y)| is_edge(*x, *y)).collect();
+    assert!(!edges.is_empty(), "{name}");
+    for (x, y) in edges.iter().step_by(edges.len().div_ceil(most)) {
+        let pixel = format!("{x},{y}");
+        let args = ["pixel", name, &pixel, "--from-top", "--output-format=json"];
+        let stdout = run(&mut folder.strahl(args)).quiet_success();
+        let value: Value = serde_json::from_slice(&stdout).unwrap();
+        let bytes = picture.get_pixel(*x, *y).0;
+        assert_eq!(value["byte"], json!(bytes), "{name} {pixel}");
+        let stdout = run(&mut folder.strahl(&args[..4])).quiet_success();
+        let text = String::from_utf8(stdout).unwrap();
+        let [r, g, b] = bytes;
+        let last = text.lines().last().unwrap();
+        assert!(
+            last.contains(&format!("({r}, {g}, {b})")),
+            "{pixel}: {last}"
+        );
+    }
+}
+
+#[test]
+fn a_flat_pixel_has_the_bytes_of_the_picture() {
+    let folder = Folder::new();
+    let orbit = std::fs::read_to_string("scenes/orbit.ron").unwrap();
+    folder.write(
+        "orbit.ron",
+        orbit.replace("width: 480, height: 270", "width: 48, height: 27"),
+    );
+    compare_pixels(&folder, "orbit.ron", 120);
+    let geometries = r##"
+        Sphere(center: (0, 0, -3), radius: 1, color: "#f00"),
+        Sphere(center: (0.3, 0.6, -2.5), radius: 0.6, color: "#ff0000"),
+        Box(min: (-1.4, -0.8, -4), max: (-0.2, 0.4, -2.5), color: "#20c0ff"),"##;
+    let motley = r##"
+        Difference(
+            of: Box(min: (0.6, -1, -4), max: (2, 0.2, -2.6), color: "#40ff40"),
+            minus: [Sphere(center: (0.8, 0, -2.6), radius: 0.7, color: "#7f8081")],
+        ),"##;
+    for image in ["samples: 4", "samples: 9", "samples: 16"] {
+        for (number, extra) in ["", motley].into_iter().enumerate() {
+            for (outlined, more) in ["", "outlines: (width: 1.5),"].into_iter().enumerate() {
+                let name = format!("{number}{outlined}.ron");
+                folder.write(
+                    &name,
+                    format!(
+                        r##"(image: (width: 40, height: 20, {image}), camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    background: "#7f8081", {more} geometries: [{geometries}{extra}])"##
+                    ),
+                );
+                compare_pixels(&folder, &name, 25);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_flat_pixel_names_its_samples() {
+    let folder = Folder::new();
+    folder.write(
+        "s.ron",
+        r##"(image: (width: 200, height: 100, samples: 4), camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    geometries: [Sphere(center: (0, 0, -3), radius: 1, color: "#f00")])"##,
+    );
+    let args = ["pixel", "s.ron", "96,32", "--from-top"];
+    let text = String::from_utf8(run(&mut folder.strahl(args)).quiet_success()).unwrap();
+    assert!(
+        text.contains("\nsamples, from the top left\n  0 sees "),
+        "{text}"
+    );
+    assert!(
+        text.contains("\nlight of the pixel, the mean of 4\n"),
+        "{text}"
+    );
+    assert!(!text.contains("exposed"), "{text}");
+    assert!(text.contains("bytes          (188, 0, 0)"), "{text}");
+}

@@ -21,12 +21,20 @@ pub(super) struct LightTerms<'a> {
     direct: [f64; 3],
     specular: [f64; 3],
     light: [f64; 3],
+    /// `None` in a flat picture.
+    #[serde(flatten)]
+    tone: Option<ToneTerms>,
+    #[serde(skip)]
+    pub(super) color: Color,
+}
+
+/// The exposure and the tone mapping of a pixel.
+#[derive(Serialize)]
+struct ToneTerms {
     exposure: f64,
     exposed: [f64; 3],
     tone_mapping: &'static str,
     mapped: [f64; 3],
-    #[serde(skip)]
-    pub(super) color: Color,
 }
 
 #[derive(Serialize)]
@@ -117,9 +125,7 @@ fn rgb(light: Radiance) -> [f64; 3] {
 
 impl<'a> LightTerms<'a> {
     pub(super) fn new(scene: &'a Scene, pixel: ExplainedPixel) -> Self {
-        let tone: Tone = pixel.tone;
         let light = pixel.direct + pixel.specular;
-        let exposed = tone.expose(light);
         let samples = pixel.samples.into_iter();
         Self {
             samples: samples
@@ -128,6 +134,16 @@ impl<'a> LightTerms<'a> {
             direct: rgb(pixel.direct),
             specular: rgb(pixel.specular),
             light: rgb(light),
+            tone: pixel.tone.map(|tone| ToneTerms::new(tone, light)),
+            color: pixel.color,
+        }
+    }
+}
+
+impl ToneTerms {
+    fn new(tone: Tone, light: Radiance) -> Self {
+        let exposed = tone.expose(light);
+        Self {
             exposure: tone.exposure(),
             exposed: rgb(exposed),
             tone_mapping: match tone.mapping() {
@@ -135,12 +151,16 @@ impl<'a> LightTerms<'a> {
                 ToneMapping::Neutral => "Neutral",
             },
             mapped: rgb(tone.map(exposed)),
-            color: tone.color(light),
         }
     }
 }
 
 impl<'a> SampleTerms<'a> {
+    /// Returns true if its light is more than the color of a geometry.
+    fn has_steps(&self) -> bool {
+        self.steps.is_some() || self.inked_by.is_some()
+    }
+
     fn new(scene: &'a Scene, sample: ExplainedSample) -> Self {
         let origin = |id| OriginTerms::new(scene, id);
         let inked_by = sample.inked_by.map(|([right, up], hit)| NeighborTerms {
@@ -244,7 +264,8 @@ impl fmt::Display for LightTerms<'_> {
         // The one in the middle; data holds them all.
         let side = count.isqrt();
         let middle = side / 2 * side + side / 2;
-        if let Some(sample) = self.samples.get(middle) {
+        let sample = self.samples.get(middle);
+        if let Some(sample) = sample.filter(|sample| sample.has_steps()) {
             writeln!(out, "\nlight of sample {middle}")?;
             sample.fmt(out)?;
         }
@@ -256,6 +277,12 @@ impl fmt::Display for LightTerms<'_> {
             "  L            {}, direct + specular",
             vector(self.light)
         )?;
+        self.tone.as_ref().map_or(Ok(()), |tone| tone.fmt(out))
+    }
+}
+
+impl fmt::Display for ToneTerms {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (exposure, exposed) = (self.exposure, vector(self.exposed));
         writeln!(out, "  exposed      {exposed}, L · 2^{exposure:?}")?;
         let mapped = vector(self.mapped);
