@@ -71,6 +71,43 @@ fn an_svg_is_a_text_with_ticks() {
 }
 
 #[test]
+fn a_picture_of_a_legend_has_all_letters_of_its_label() {
+    let folder = folder(ENERGY, "");
+    let legend = |label: &str, output: &str| {
+        let args = ["legend", "scene.ron", "-o", output, "--label", label];
+        run(&mut folder.strahl(args))
+    };
+    for (label, letter) in [
+        ("σ / MPa", "σ"),
+        ("CO₂", "₂"),
+        ("m s⁻¹", "⁻"),
+        ("Ω", "Ω"),
+        ("速度", "速"),
+        ("λ", "λ"),
+    ] {
+        let message = format!("no letter `{letter}` for its label `{label}`; write an svg file");
+        legend(label, "a.png").one_line(2, &["a.png", &message]);
+        assert!(!folder.path("a.png").exists());
+        legend(label, "a.svg").quiet_success();
+        let svg = fs::read_to_string(folder.path("a.svg")).unwrap();
+        assert!(svg.contains(label), "{svg}");
+    }
+    let draw = |label: &str| {
+        legend(label, "a.png").quiet_success();
+        fs::read(folder.path("a.png")).unwrap()
+    };
+    // Signs of the same look, whatever they are called.
+    for (label, equal) in [
+        ("μm", "µm"),
+        ("\u{212b}", "Å"),
+        ("t / \u{2212}1\u{a0}°C", "t / -1 °C"),
+    ] {
+        assert!(draw(label) == draw(equal), "{label}");
+    }
+    draw("kg·m²·s³ ± 5 × é ß ½");
+}
+
+#[test]
 fn several_scales_need_a_choice() {
     let more = "Spheres(file: \"atoms.csv\", color_by: (column: \"x\")),";
     let folder = folder(ENERGY, more);

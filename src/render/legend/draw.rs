@@ -3,13 +3,17 @@
 //! The letters are those of Noto Sans Mono (SIL Open Font License 1.1) in the sizes of
 //! `noto-sans-mono-bitmap`: gray pixels that are the same on every machine.
 
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use noto_sans_mono_bitmap::{
+    FontWeight, RasterHeight, RasterizedChar, get_raster, get_raster_width,
+};
 
 use super::{Layout, Legend, MISSING};
-use crate::{diagnostic::error::Error, film::Image, image_file::buffer, tracer::color::Color};
-
-/// The letter in place of one that the font does not have.
-const UNKNOWN: char = '\u{fffd}';
+use crate::{
+    diagnostic::error::{Error, ErrorKind},
+    film::Image,
+    image_file::buffer,
+    tracer::color::Color,
+};
 
 const fn height(text: u32) -> RasterHeight {
     match text {
@@ -24,14 +28,38 @@ pub(super) const fn width(text: u32) -> u32 {
     get_raster_width(FontWeight::Regular, height(text)) as u32
 }
 
+/// Returns the picture of a letter, if the font has it or an equal one.
+fn raster(letter: char, text: RasterHeight) -> Option<RasterizedChar> {
+    let equal = match letter {
+        // The Greek letter mu and the sign for a millionth, the sign of the angstrom and the letter.
+        'μ' => 'µ',
+        '\u{212b}' => 'Å',
+        // The minus sign, and hyphens and spaces of other widths.
+        '\u{2212}' | '\u{2010}'..='\u{2013}' => '-',
+        '\u{a0}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\u{205f}' => ' ',
+        _ => letter,
+    };
+    get_raster(equal, FontWeight::Regular, text)
+}
+
 impl Legend {
     /// Draws the legend, in black on white.
     ///
     /// # Errors
     ///
-    /// A size without room for the text and the bar, or one that does not fit into memory.
+    /// A label with letters that the font does not have, such as Greek ones; a size without room for
+    /// the text and the bar, or one that does not fit into memory.
     pub fn image(&self) -> Result<Image, Error> {
         let layout = self.layout()?;
+        let is_unknown = |letter: &char| raster(*letter, height_of(&layout)).is_none();
+        if let Some(letter) = self.label.chars().find(is_unknown) {
+            let message = format!(
+                "a legend as a picture has no letter `{letter}` for its label `{}`; write an svg \
+                 file, or give another label",
+                self.label
+            );
+            return Err(Error::new(ErrorKind::Usage, message));
+        }
         let [left, top, wide, high] = layout.bar;
         let (text, gap, margin) = (layout.text, layout.gap(), layout.margin());
         let mut canvas = Canvas::new(&layout)?;
@@ -124,8 +152,7 @@ impl Canvas {
     fn text(&mut self, left: u32, top: u32, line: &str) {
         let mut left = left as usize;
         for letter in line.chars() {
-            let raster = |letter| get_raster(letter, FontWeight::Regular, self.text);
-            let Some(raster) = raster(letter).or_else(|| raster(UNKNOWN)) else {
+            let Some(raster) = raster(letter, self.text) else {
                 continue;
             };
             for (row, cells) in raster.rows().enumerate() {
