@@ -158,7 +158,7 @@ impl Found {
 }
 
 /// Returns true if people look through a geometry in a lit scene.
-fn is_glass(geometry: &GeometryModel, model: &Model) -> bool {
+pub(super) fn is_glass(geometry: &GeometryModel, model: &Model) -> bool {
     geometry.surfaces().iter().any(|surface| {
         let own = surface.material;
         let material = own.and_then(|material| material.resolve(model.materials.as_ref()));

@@ -5,7 +5,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{InstancesModel, nesting::Ordinal},
+            geometry::{GeometryModel, InstancesModel, nesting::Ordinal},
             scene::Model,
         },
         instances::{Prototypes, Refused},
@@ -25,10 +25,33 @@ impl Found {
             if self.is_cancelled() {
                 return;
             }
-            if let Err(refused) = prototypes.of(&named.of, at) {
-                self.not_copied(&named.of, &refused, at, model);
+            match prototypes.of(&named.of, at) {
+                Ok(of) => self.lights_of_copies(of, at, model),
+                Err(refused) => self.not_copied(&named.of, &refused, at, model),
             }
         }
+    }
+
+    /// Warns if what is copied has lights, which are not copied.
+    fn lights_of_copies(&mut self, of: Ordinal, at: Ordinal, model: &Model) {
+        let shines = |geometry: &GeometryModel| match geometry {
+            GeometryModel::Part(part) => part.lights == Some(true),
+            _ => false,
+        };
+        let geometry = model.geometry(of);
+        if !geometry.is_some_and(|geometry| geometry.any_inside(&shines)) {
+            return;
+        }
+        let message = "this has no effect on lights: the copies of a part do not shine";
+        let place = model.path_of(at).field("of");
+        let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
+        let help =
+            "write a `Part` with `lights: true` and a `transform` for each copy that is to shine";
+        self.push(
+            problem
+                .help(help)
+                .label(model.path_of(of), Focus::Name, "the lights are here"),
+        );
     }
 
     /// Checks the places of copies.

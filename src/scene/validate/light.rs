@@ -27,6 +27,9 @@ use crate::{
 
 /// The part of white below which a light is dim: half of the step between two bytes.
 const DIM: f64 = 1.0 / 512.0;
+/// The same for a light without an `intensity`, of which nobody thought: a fourth of the way from black
+/// to white on a screen.
+const DIM_BY_DEFAULT: f64 = 1.0 / 16.0;
 
 impl Found {
     /// Checks the fields of the lights, and their names.
@@ -140,8 +143,8 @@ impl Found {
                 Ok(light @ Light::Spot(spot)) => (light, spot.position(), spot.shadows()),
                 Ok(_) | Err(_) => continue,
             };
-            if weakens(given) {
-                self.dim_light(light, position, index, model, tables);
+            if let Some(dim) = dim(given) {
+                self.dim_light((light, dim), position, index, model, tables);
             }
             if shadows {
                 self.light_inside(position, index, (model, tables), eyes);
@@ -151,30 +154,41 @@ impl Found {
 
     fn dim_light(
         &mut self,
-        light: &Light,
+        (light, dim): (&Light, f64),
         position: DVec3,
         index: usize,
         model: &Model,
         tables: &Tables,
     ) {
-        let mut nearest = f64::INFINITY;
+        let (mut nearest, mut to_plane) = (f64::INFINITY, f64::INFINITY);
         let cancel = self.cancel.clone();
         each_shape(model, tables, cancel.as_ref(), |shape| {
-            if let Extent::Ball(center, radius) = shape.extent() {
-                let to_ball = ((center - position).length() - radius).max(0.0);
-                if to_ball < nearest {
-                    nearest = nearest.min(to_ball.max(to_box(shape, position)));
+            match shape.extent() {
+                Extent::Ball(center, radius) => {
+                    let to_ball = ((center - position).length() - radius).max(0.0);
+                    if to_ball < nearest {
+                        nearest = nearest.min(to_ball.max(to_box(shape, position)));
+                    }
+                }
+                Extent::Plane(plane) => {
+                    let distance = (position - plane.point()).dot(plane.unit_normal()).abs();
+                    to_plane = to_plane.min(distance);
                 }
             }
         });
+        // A plane is near somewhere: it counts if the light is for it alone, or was not set.
+        if !nearest.is_finite() || dim > DIM {
+            nearest = nearest.min(to_plane);
+        }
         let brightness = light.glow().radiance().max_channel();
         let squared = nearest * nearest;
-        let is_dim = brightness > 0.0 && squared.is_finite() && brightness / squared < DIM;
+        let is_dim = brightness > 0.0 && squared.is_finite() && brightness / squared < dim;
         if !is_dim {
             return;
         }
         let message = format!(
-            "this light brings less than 1/512 of white to the nearest geometry, {} away",
+            "this light brings less than 1/{} of white to the nearest geometry, {} away",
+            1.0 / if brightness / squared < DIM { DIM } else { dim },
             rounded(nearest)
         );
         let problem = Problem::new(Code::DimLight, path_of(index), Focus::Name, message);
@@ -248,16 +262,18 @@ fn path_of(index: usize) -> Path {
     Path::ROOT.field("lights").index(index)
 }
 
-/// Returns true if the light weakens with the distance.
-fn weakens(light: &LightModel) -> bool {
-    let falloff = match light {
-        LightModel::Point(light) => light.falloff,
-        LightModel::Spot(light) => light.falloff,
+/// Returns the part of white below which a light is dim, if it weakens with the distance.
+fn dim(light: &LightModel) -> Option<f64> {
+    let (falloff, intensity) = match light {
+        LightModel::Point(light) => (light.falloff, light.intensity),
+        LightModel::Spot(light) => (light.falloff, light.intensity),
         LightModel::Ambient(_) | LightModel::Headlight(_) | LightModel::Directional(_) => {
-            return false;
+            return None;
         }
     };
-    falloff.unwrap_or_default() == FalloffModel::InverseSquare
+    let weakens = falloff.unwrap_or_default() == FalloffModel::InverseSquare;
+    let dim = intensity.map_or(DIM_BY_DEFAULT, |_| DIM);
+    weakens.then_some(dim)
 }
 
 /// Calls `see` with every shape of a scene, until it is cancelled.

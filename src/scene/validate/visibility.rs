@@ -16,10 +16,11 @@ use crate::{
         framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
-        validate::Found,
+        validate::{Found, eye::is_glass},
         view::View,
     },
     text::nearest::quote,
+    tracer::shape::plane::Plane,
 };
 
 impl Found {
@@ -66,6 +67,15 @@ impl Found {
             None => unseen((model, 0), framing, model, tables, |_| true),
             Some(frames) => unseen_by_frames(model, tables, frames, framing),
         };
+        for (at, plane) in hidden_in_planes(model, frames, framing) {
+            let message = "this geometry lies in a plane before it in the list, which hides it";
+            let problem = Problem::new(Code::NeverVisible, model.path_of(at), Focus::Name, message);
+            self.push(
+                problem
+                    .help("at equal distance the first is visible: move it up in the list, or out of the plane")
+                    .label(model.path_of(plane), Focus::Name, "the plane"),
+            );
+        }
         // An empty table contains nothing to see.
         let is_empty = |at: &Ordinal| tables.count(*at) == 0;
         for at in unseen.into_iter().flatten().filter(|at| !is_empty(at)) {
@@ -82,6 +92,58 @@ impl Found {
             }
         }
     }
+}
+
+/// The number of planes in which flat geometries are searched.
+const MOST_PLANES: usize = 100;
+
+/// Returns the flat geometries that lie in a plane before them in the list, with that plane. Only where
+/// rounding cannot make a difference: both have the same normal, and either the same point or a normal
+/// along an axis.
+fn hidden_in_planes(
+    model: &Model,
+    frames: Option<&Frames>,
+    framing: &Framing,
+) -> Vec<(Ordinal, Ordinal)> {
+    let mut planes: Vec<(Ordinal, Plane)> = Vec::new();
+    let mut hidden = Vec::new();
+    for leaf in model.leaves().take_while(|_| !framing.is_cancelled()) {
+        let is_plane = matches!(leaf.geometry, GeometryModel::Plane(_));
+        let is_wanted = match leaf.geometry {
+            // What lies in a pane shows through it.
+            GeometryModel::Plane(_) => !is_glass(leaf.geometry, model),
+            GeometryModel::Disc(_) | GeometryModel::Rectangle(_) | GeometryModel::Triangle(_) => {
+                !planes.is_empty()
+            }
+            _ => false,
+        };
+        if !is_wanted || frames.is_some_and(|frames| frames.move_leaf(model, leaf.at)) {
+            continue;
+        }
+        let shape = leaf.shape().filter(|shape| shape.transform().is_none());
+        let Some(own) = shape.and_then(|shape| shape.plane(0)) else {
+            continue;
+        };
+        if is_plane {
+            if planes.len() < MOST_PLANES {
+                planes.push((leaf.at, own));
+            }
+        } else if let Some((plane, _)) = planes.iter().find(|(_, plane)| is_same(plane, &own)) {
+            hidden.push((leaf.at, *plane));
+        }
+    }
+    hidden
+}
+
+/// Returns true if every ray meets both planes at the same t, in every bit.
+fn is_same(one: &Plane, other: &Plane) -> bool {
+    let n = one.normal();
+    let is_along = |axis: usize| {
+        let others = (0..3).filter(|other| *other != axis);
+        others.map(|other| n[other]).all(|x| x == 0.0) && one.point()[axis] == other.point()[axis]
+    };
+    (n == other.normal() || n == -other.normal())
+        && (one.point() == other.point() || (0..3).any(is_along))
 }
 
 /// The maximum number of tests of a geometry against a camera at a frame.

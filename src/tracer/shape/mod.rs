@@ -266,8 +266,12 @@ impl Shape {
     }
 
     /// Returns the smallest box, given that of [`Shape::bounds`]: that around a shape under a transform
-    /// is around its box, and that around an ellipsoid is grown.
+    /// is around its box, and that around an ellipsoid is grown. That around an intersection lies in the
+    /// smallest boxes around its operands.
     pub(crate) fn smallest_box(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
+        if let Self::Solid(solid) = self {
+            return solid.smallest_box().unwrap_or([low, high]);
+        }
         if !matches!(
             self,
             Self::Placed(_) | Self::Instances(_) | Self::Ellipsoid(_)

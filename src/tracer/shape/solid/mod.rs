@@ -146,8 +146,9 @@ impl Solid {
         self.parts.iter().map(|part| &part.shape)
     }
 
-    /// Returns true if the bounding boxes show that the solid is empty: those of the operands of an
-    /// intersection are disjoint, or that of the first operand of a difference lies in another operand.
+    /// Returns true if it is easily seen that the solid is empty: the boxes around the operands of an
+    /// intersection are disjoint, or the first operand of a difference is equal to another one, or its
+    /// box lies in that, or both are balls and it lies in that.
     pub(crate) fn is_surely_empty(&self) -> bool {
         self.root.is_surely_empty(&self.parts)
     }
@@ -157,6 +158,13 @@ impl Solid {
     /// difference, and in the boxes around all operands of an intersection.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
         self.around?.bounds()
+    }
+
+    /// Returns the smallest box around the operands of a union, around the first of a difference, and
+    /// in those around the operands of an intersection, unless it is empty or unbounded.
+    pub(crate) fn smallest_box(&self) -> Option<[DVec3; 2]> {
+        let [low, high] = self.root.smallest_box(&self.parts)?;
+        low.cmple(high).all().then_some([low, high])
     }
 
     /// Returns a farthest point of a union's operands, of the first one of a difference, and of the
@@ -307,6 +315,67 @@ impl Node {
         }
     }
 
+    /// Returns [`Solid::smallest_box`].
+    fn smallest_box(&self, parts: &[Part]) -> Option<[DVec3; 2]> {
+        let of = match self {
+            Self::Part(index) => {
+                let shape = &parts[*index].shape;
+                return Some(shape.smallest_box(shape.bounds()?));
+            }
+            Self::Of(of) => of,
+        };
+        let mut boxes = of.operands.iter().map(|node| node.smallest_box(parts));
+        match of.operation {
+            Operation::Difference => boxes.next()?,
+            Operation::Union => {
+                let first = boxes.next()??;
+                boxes.try_fold(first, |[low, high], more| {
+                    let [least, most] = more?;
+                    Some([low.min(least), high.max(most)])
+                })
+            }
+            Operation::Intersection => boxes
+                .flatten()
+                .reduce(|[low, high], [least, most]| [low.max(least), high.min(most)]),
+        }
+    }
+
+    /// Returns true if two are equal, whatever the indices of their parts are.
+    fn equals(&self, other: &Self, parts: &[Part]) -> bool {
+        match (self, other) {
+            (Self::Part(one), Self::Part(other)) => parts[*one].twin == parts[*other].twin,
+            (Self::Of(one), Self::Of(other)) => {
+                let mut pairs = one.operands.iter().zip(&other.operands);
+                one.operation == other.operation
+                    && one.operands.len() == other.operands.len()
+                    && pairs.all(|(one, other)| one.equals(other, parts))
+            }
+            (Self::Part(_), Self::Of(_)) | (Self::Of(_), Self::Part(_)) => false,
+        }
+    }
+
+    /// Returns true if a ball surely lies inside.
+    fn holds_ball(&self, parts: &[Part], center: DVec3, radius: f64) -> bool {
+        match self {
+            Self::Part(index) => match &parts[*index].shape {
+                Shape::Sphere(sphere) => {
+                    (sphere.center() - center).length() + radius <= sphere.radius()
+                }
+                _ => false,
+            },
+            Self::Of(of) => {
+                let mut operands = of.operands.iter();
+                match of.operation {
+                    Operation::Union => operands.any(|node| node.holds_ball(parts, center, radius)),
+                    Operation::Intersection => {
+                        operands.all(|node| node.holds_ball(parts, center, radius))
+                    }
+                    Operation::Difference => false,
+                }
+            }
+        }
+    }
+
     /// Returns true if a box surely lies inside.
     fn holds(&self, parts: &[Part], bounds: [DVec3; 2]) -> bool {
         match self {
@@ -339,10 +408,27 @@ impl Node {
                 low.cmpgt(high).any()
             }
             Operation::Difference => {
-                let first = operands.next().and_then(|node| node.bounds(parts));
-                first.is_some_and(|bounds| operands.any(|node| node.holds(parts, bounds)))
+                let Some(first) = operands.next() else {
+                    return false;
+                };
+                let bounds = first.bounds(parts);
+                let ball = first.ball(parts);
+                operands.any(|node| {
+                    node.equals(first, parts)
+                        || bounds.is_some_and(|bounds| node.holds(parts, bounds))
+                        || ball.is_some_and(|(at, radius)| node.holds_ball(parts, at, radius))
+                })
             }
         }
+    }
+
+    /// Returns the center and the radius, if it is a ball.
+    fn ball(&self, parts: &[Part]) -> Option<(DVec3, f64)> {
+        let Self::Part(index) = self else {
+            return None;
+        };
+        let sphere = parts[*index].shape.sphere()?;
+        Some((sphere.center(), sphere.radius()))
     }
 
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside. What

@@ -12,6 +12,7 @@ use crate::tracer::{
         cuboid::Cuboid,
         cylinder::Cylinder,
         disc::Disc,
+        ellipsoid::Ellipsoid,
         face::{Crossing, Leaving, Own},
         plane::Plane,
         solid::{Operation, Solid},
@@ -277,4 +278,32 @@ fn an_empty_solid_is_never_hit() {
     }
     assert!(empty > cases(CASES / 4) / 50, "{empty}");
     assert_eq!(hits, 0);
+}
+
+#[test]
+fn the_smallest_box_is_not_grown_by_ellipsoids() {
+    let axes = [DVec3::X, 2.0 * DVec3::Y, 3.0 * DVec3::Z];
+    let ball = || Shape::from(Ellipsoid::new(DVec3::ZERO, axes).unwrap());
+    let half = || Shape::from(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
+    let cube = || Shape::from(Cuboid::new(DVec3::ZERO, DVec3::splat(9.0)).unwrap());
+    let whole = [DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.0, 2.0, 3.0)];
+    for (operation, operands, expected) in [
+        (Operation::Difference, [ball(), half()], whole),
+        (Operation::Intersection, [ball(), half()], whole),
+        (
+            Operation::Intersection,
+            [cube(), ball()],
+            [DVec3::ZERO, whole[1]],
+        ),
+        (
+            Operation::Union,
+            [cube(), ball()],
+            [whole[0], DVec3::splat(9.0)],
+        ),
+    ] {
+        let solid = Shape::from(Solid::new(operation, operands).unwrap());
+        let grown = solid.bounds().unwrap();
+        assert_ne!(grown, expected, "{operation:?}");
+        assert_eq!(solid.smallest_box(grown), expected, "{operation:?}");
+    }
 }
