@@ -2,7 +2,7 @@
 
 use strahl::{
     Camera, Color, Geometry, Lighting, PerspectiveCamera, Plane, RayTracer, Sphere, Vec3, World,
-    film::Outlines,
+    film::{Outlines, Samples},
     light::{Ambient, Falloff, Light, Point},
     material::{Glass, Material, Phong},
     render::{Tone, ToneMapping},
@@ -78,4 +78,64 @@ fn outlines_are_where_a_geometry_ends() {
     let changed: Vec<_> = pixels.filter(|(plain, inked)| plain != inked).collect();
     assert!(changed.iter().all(|(_, inked)| *inked == [255, 0, 255]));
     assert!((60..400).contains(&changed.len()), "{}", changed.len());
+}
+
+/// Returns the ink of each row of two white balls that cut each other, by lines from the left.
+fn ink_of_rows(centers: [Vec3; 2], outlines: Outlines) -> Vec<Vec<f64>> {
+    let radii = [1.0, 0.8];
+    let balls = centers
+        .iter()
+        .zip(radii)
+        .map(|(center, radius)| Geometry::new(Sphere::new(*center, radius).unwrap(), Color::WHITE));
+    let world = World::new(balls.collect(), Color::WHITE);
+    let eye = Vec3::new(0.0, 0.0, 8.0);
+    let camera = PerspectiveCamera::new(eye, -eye, Vec3::Y, 0.2).unwrap();
+    let camera = Camera::from(camera);
+    let image = RayTracer::new(&camera, &world, 150, 100)
+        .unwrap()
+        .samples(Samples::new(16).unwrap())
+        .outlines(outlines)
+        .draw();
+    let rows = (0..100).map(|row| {
+        let mut lines = vec![0.0];
+        for column in 0..150 {
+            let [level, _, _] = image.pixel(column, row).unwrap();
+            let level = f64::from(level) / 255.0;
+            let ink = 1.0 - Color::new(level, 0.0, 0.0).to_linear().r();
+            match lines.last_mut() {
+                Some(line) if ink > 0.001 => *line += ink,
+                Some(line) if *line > 0.0 => lines.push(0.0),
+                _ => {}
+            }
+        }
+        lines.retain(|line| *line > 0.0);
+        lines
+    });
+    rows.collect()
+}
+
+#[test]
+fn a_line_where_balls_cut_each_other_is_as_wide_as_any_other() {
+    let outlines = Outlines {
+        width: 2.0,
+        ..Outlines::default()
+    };
+    // Beside each other, and one before the other by more and more.
+    for depth in [0.0, 0.05, 0.1, 0.3, 0.5, -0.02, -0.2, -0.4] {
+        let centers = [Vec3::new(-0.6, 0.0, depth), Vec3::new(0.6, 0.0, -depth)];
+        let rows = ink_of_rows(centers, outlines);
+        // Through the middle of both, all three lines are upright.
+        for lines in &rows[42..58] {
+            assert_eq!(lines.len(), 3, "{depth}: {lines:?}");
+            for line in lines {
+                assert!((1.4..2.4).contains(line), "{depth}: {lines:?}");
+            }
+        }
+        // No line is missing, and there are no specks.
+        let ink: f64 = rows.iter().flatten().sum();
+        for lines in &rows {
+            assert!(lines.len() <= 4, "{depth}: {lines:?}");
+        }
+        assert!(ink > 300.0, "{depth}: {ink}");
+    }
 }

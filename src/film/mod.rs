@@ -53,8 +53,8 @@ pub(crate) enum Wanted {
 /// The light of a pixel of a lit picture, before exposure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LitPixel {
-    /// What surfaces send themselves, or the background. The mean of all samples, or of those that
-    /// hit something if the background is transparent.
+    /// What surfaces send themselves, or the background. The mean of all samples; if the background
+    /// is transparent, that of the samples that hit something, without its light.
     pub(crate) direct: Radiance,
     /// What mirrors and glass show, likewise.
     pub(crate) specular: Radiance,
@@ -62,6 +62,16 @@ pub(crate) struct LitPixel {
     pub(crate) albedo: Radiance,
     /// The fraction of the samples that hit something.
     pub(crate) coverage: f64,
+    /// The part of a transparent background that shows in these samples, in mirrors and through
+    /// glass: the mean of the channels.
+    pub(crate) behind: f64,
+}
+
+impl LitPixel {
+    /// The part of the pixel that hides the background.
+    pub(crate) fn alpha(&self) -> f64 {
+        self.coverage * (1.0 - self.behind)
+    }
 }
 
 /// The pixels of a piece of a lit picture, or of one with outlines.

@@ -4,9 +4,17 @@ use crate::tracer::color::Color;
 
 /// The outlines of a picture.
 ///
-/// A sample is inked if a sample of the picture's own grid nearer than `width` pixels sees nothing,
-/// or another geometry farther away, or the same geometry farther away by more than `depth`, or with
-/// a normal that differs by more than `creases` degrees.
+/// A line is `width` pixels wide. It lies on a geometry that ends in front of nothing, in front of
+/// another, or in front of itself by more than `depth`. Where neither of two ends in front of the
+/// other, because they cut each other or lie side by side, and where the normals of one differ by more
+/// than `creases` degrees, each side has a share of the line.
+///
+/// A sample is compared with each near sample of its own geometry, and of each other one with the
+/// nearest sample that sees it. Its share is 1 towards nothing, towards another geometry that its ray
+/// meets as well while that one's ray does not meet its own, and towards its own geometry if that lies
+/// behind by more than `depth`. In the opposite case it is 0. Otherwise it is `b / (a + b)`, with the
+/// cosines `a` and `b` between normal and ray of both samples. The sample is inked if the other one is
+/// nearer than `width` and, from halfway between them, its share of `width` or less away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlines {
     /// The width of the lines in pixels, above 0.

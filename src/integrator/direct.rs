@@ -123,20 +123,24 @@ pub(crate) struct Shaded {
     pub(crate) direct: Radiance,
     /// What the surface reflects and lets through.
     pub(crate) specular: Radiance,
+    /// The part of the light of a transparent background that comes along the ray.
+    pub(crate) behind: Radiance,
 }
 
 impl Shaded {
     pub(crate) fn direct(direct: Radiance) -> Self {
         Self {
             direct,
-            specular: Radiance::BLACK,
+            ..Self::default()
         }
     }
 
-    fn specular(specular: Radiance) -> Self {
+    /// Returns the light that a surface reflects or lets through of this.
+    fn sent_on(self, factor: Radiance) -> Self {
         Self {
             direct: Radiance::BLACK,
-            specular,
+            specular: factor * self.sum(),
+            behind: factor * self.behind,
         }
     }
 
@@ -152,6 +156,8 @@ pub(crate) struct Direct<'a, Q> {
     world: &'a World,
     lighting: &'a Lighting,
     queries: &'a Q,
+    /// The light of a ray that meets nothing.
+    background: Shaded,
 }
 
 /// A ray on its way from the camera.
@@ -253,11 +259,23 @@ impl<'a> Surface<'a> {
 }
 
 impl<'a, Q: Queries> Direct<'a, Q> {
-    pub(crate) const fn new(world: &'a World, lighting: &'a Lighting, queries: &'a Q) -> Self {
+    pub(crate) fn new(world: &'a World, lighting: &'a Lighting, queries: &'a Q) -> Self {
         Self {
             world,
             lighting,
             queries,
+            background: Shaded::direct(world.background().to_linear()),
+        }
+    }
+
+    /// Makes the background transparent: it sends no light, but is counted in [`Shaded::behind`].
+    pub(crate) fn transparent(self) -> Self {
+        Self {
+            background: Shaded {
+                behind: Radiance::WHITE,
+                ..Shaded::default()
+            },
+            ..self
         }
     }
 
@@ -275,7 +293,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         } else {
             match self.nearest(&path) {
                 Some((index, crossing)) => self.shade(path, index, crossing),
-                None => Shaded::direct(self.world.background().to_linear()),
+                None => self.background,
             }
         };
         self.queries.tell(Step::Brings(shaded));
@@ -308,10 +326,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
                 Shaded::direct(color.to_linear() * irradiance)
             }
             Material::Phong(phong) => self.phong(&surface, phong),
-            Material::Mirror(color) => {
-                Shaded::specular(self.reflection(&surface, color.to_linear()))
-            }
-            Material::Glass(glass) => Shaded::specular(self.glass(&surface, glass, geometry)),
+            Material::Mirror(color) => self.reflection(&surface, color.to_linear()),
+            Material::Glass(glass) => self.glass(&surface, glass, geometry),
             Material::Flat(color) => Shaded::direct(color.to_linear()),
             Material::Emissive(emissive) => Shaded::direct(emissive.radiance()),
         }
@@ -401,18 +417,18 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         let scattered = phong.diffuse().to_linear() * irradiance;
         Shaded {
             direct: scattered + phong.specular().to_linear() * highlights,
-            specular: self.reflection(surface, phong.reflection().to_linear()),
+            ..self.reflection(surface, phong.reflection().to_linear())
         }
     }
 
     /// Returns the light that a surface reflects like a mirror.
-    fn reflection(&self, surface: &Surface, factor: Radiance) -> Radiance {
+    fn reflection(&self, surface: &Surface, factor: Radiance) -> Shaded {
         self.term("reflected", "reflected part", Value::Light(factor));
         let path = surface.onward(surface.mirrored(), factor);
-        factor * self.follow(path).sum()
+        self.follow(path).sent_on(factor)
     }
 
-    fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Radiance {
+    fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Shaded {
         let is_pane = geometry.shape().is_pane(surface.hit.face);
         let way = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
         let onward = if is_pane {
@@ -432,6 +448,12 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.term("fresnel", "F", Value::Number(way.reflected));
         self.term("refracted", "(1-F)·lin(color)", Value::Light(refracted));
         let path = surface.onward(onward, refracted);
-        self.reflection(surface, reflected) + refracted * self.follow(path).sum()
+        let reflection = self.reflection(surface, reflected);
+        let refraction = self.follow(path).sent_on(refracted);
+        Shaded {
+            direct: Radiance::BLACK,
+            specular: reflection.specular + refraction.specular,
+            behind: reflection.behind + refraction.behind,
+        }
     }
 }

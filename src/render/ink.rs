@@ -7,15 +7,20 @@ use glam::DVec3;
 use crate::{
     film::{Outlines, colors::NOTHING},
     render::hits::{Hits, Rays},
-    tracer::{radiance::Radiance, world::World},
+    tracer::{radiance::Radiance, ray::Ray, world::World},
 };
 
 /// The outlines of the samples of a rectangle.
 pub(super) struct Ink<'a> {
     outlines: Outlines,
+    world: &'a World,
     hits: &'a Hits,
-    /// The columns and rows from a sample to those that are nearer than the width, without itself.
+    rays: &'a Rays<'a>,
+    /// The columns and rows from a sample to those that are nearer than the width, without itself,
+    /// the nearest first; at equal distances from the top left.
     near: Vec<[i64; 2]>,
+    /// The width of the lines in samples.
+    reach: f64,
     /// The unit normal of each hit, if creases are drawn.
     normals: Vec<DVec3>,
     /// The cosine of the angle of a crease.
@@ -44,9 +49,9 @@ impl<'a> Ink<'a> {
 
     pub(super) fn new(
         outlines: Outlines,
-        world: &World,
+        world: &'a World,
         hits: &'a Hits,
-        rays: &Rays,
+        rays: &'a Rays<'a>,
         side: u32,
     ) -> Self {
         let reach = outlines.width * f64::from(side);
@@ -57,21 +62,15 @@ impl<'a> Ink<'a> {
             squared > 0.0 && squared < reach * reach
         };
         let mut near: Vec<_> = squares.filter(is_near).collect();
-        // The nearest are the most likely to differ least; the farthest end the search soonest.
-        near.sort_by_key(|[x, y]| -(x * x + y * y));
+        near.sort_by_key(|[x, y]| x * x + y * y);
         let normals = match outlines.creases {
-            Some(_) => hits.map(rays, |ray, id, t| {
-                let geometry = world.with_id(id as usize);
-                geometry.map_or(DVec3::ZERO, |geometry| {
-                    let crossing = geometry.crossing_at(&ray, t);
-                    geometry.shape().normal_at(&ray, crossing)
-                })
-            }),
+            Some(_) => hits.map(rays, |ray, id, t| normal(world, &ray, id, t)),
             None => Vec::new(),
         };
         let is_simple = outlines.creases.is_none() && outlines.depth.is_none();
         Self {
             near,
+            reach,
             normals,
             crease: libm::cos(outlines.creases.unwrap_or(0.0) * (PI / 180.0)),
             uniform: if is_simple {
@@ -80,7 +79,9 @@ impl<'a> Ink<'a> {
                 Vec::new()
             },
             outlines,
+            world,
             hits,
+            rays,
             side,
         }
     }
@@ -103,27 +104,77 @@ impl<'a> Ink<'a> {
             return None;
         }
         let (columns, rows) = (&self.hits.columns, &self.hits.rows);
+        let mut met = Vec::new();
         self.near.iter().find_map(|near| {
             let column = u32::try_from(i64::from(column) + near[0]).ok()?;
             let row = u32::try_from(i64::from(row) + near[1]).ok()?;
             let is_inside = columns.contains(&column) && rows.contains(&row);
             let other = is_inside.then(|| self.hits.place(column, row))?;
-            let is_end = self.ends_before(place, other);
-            is_end.then(|| (*near, self.hits.ids[other]))
+            // Distances count from halfway between the two samples.
+            let reach = 0.5 + (self.reach - 0.5) * self.share(place, other, &mut met);
+            let is_near = (near[0] * near[0] + near[1] * near[1]) as f64 <= reach * reach;
+            is_near.then(|| (*near, self.hits.ids[other]))
         })
     }
 
-    /// Returns true if the geometry of a sample ends towards another.
-    fn ends_before(&self, one: usize, other: usize) -> bool {
+    /// Returns the part of the line between two samples that lies on the first one's side; those of
+    /// both are 1 together. No line is 0, and so is a geometry that is in `met`.
+    fn share(&self, one: usize, other: usize, met: &mut Vec<u32>) -> f64 {
         let Hits { ids, t, .. } = self.hits;
-        if ids[one] != ids[other] {
-            return t[other] > t[one];
+        let [own, id] = [one, other].map(|place| ids[place]);
+        if id == NOTHING {
+            return 1.0;
         }
-        self.outlines
-            .depth
-            .is_some_and(|depth| t[other] > t[one] + depth)
-            || (self.outlines.creases.is_some()
-                && self.normals[one].dot(self.normals[other]) < self.crease)
+        if id == own {
+            let is_behind = |one: usize, other: usize| {
+                let depth = self.outlines.depth;
+                depth.is_some_and(|depth| t[other] > t[one] + depth)
+            };
+            let is_crease = || {
+                self.outlines.creases.is_some()
+                    && self.normals[one].dot(self.normals[other]) < self.crease
+            };
+            return match (is_behind(one, other), is_behind(other, one)) {
+                (true, _) => 1.0,
+                (_, true) => 0.0,
+                _ if is_crease() => self.share_of_seam(one, other),
+                _ => 0.0,
+            };
+        }
+        if met.contains(&id) {
+            return 0.0;
+        }
+        met.push(id);
+        let goes_on = |id: u32, place: usize| self.world.meets(id as usize, &self.ray(place));
+        match (goes_on(own, other), goes_on(id, one)) {
+            (false, true) => 1.0,
+            (true, false) => 0.0,
+            _ => self.share_of_seam(one, other),
+        }
+    }
+
+    /// Returns the share of a sample where neither of two surfaces hides the other: more on the one
+    /// that turns away, so that the line goes on in that where it ends in front of the other.
+    fn share_of_seam(&self, one: usize, other: usize) -> f64 {
+        let [own, others] = [one, other].map(|place| {
+            let ray = self.ray(place);
+            let n = match self.normals.get(place) {
+                Some(normal) => *normal,
+                None => normal(self.world, &ray, self.hits.ids[place], self.hits.t[place]),
+            };
+            let d = ray.direction();
+            (n.dot(d) / d.length()).abs()
+        });
+        match own + others {
+            0.0 => 0.5,
+            sum => others / sum,
+        }
+    }
+
+    /// Returns the ray of the sample at a place.
+    fn ray(&self, place: usize) -> Ray {
+        let width = self.hits.columns.len();
+        self.rays.ray(place % width, place / width)
     }
 
     /// Returns true if all samples of the pixels around a sample hit the same geometry.
@@ -150,4 +201,13 @@ impl<'a> Ink<'a> {
             row[across.clone()].iter().all(|id| *id == own)
         })
     }
+}
+
+/// Returns the unit normal where a ray hits a geometry.
+fn normal(world: &World, ray: &Ray, id: u32, t: f64) -> DVec3 {
+    let geometry = world.with_id(id as usize);
+    geometry.map_or(DVec3::ZERO, |geometry| {
+        let crossing = geometry.crossing_at(ray, t);
+        geometry.shape().normal_at(ray, crossing)
+    })
 }

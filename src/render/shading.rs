@@ -83,6 +83,8 @@ struct Sums {
     light: RowLight,
     albedo: Vec<Radiance>,
     hits: Vec<u32>,
+    /// The part of a transparent background that shows in these hits.
+    behind: Vec<f64>,
 }
 
 impl<Q: Queries + Sync> Shading<'_, Q> {
@@ -212,7 +214,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let part = Part {
             shading: self,
             state,
-            rays,
+            rays: &rays,
             ink,
             centers: centers.as_ref().unwrap_or(&hits),
             hits: &hits,
@@ -268,7 +270,7 @@ struct Part<'a, Q> {
     shading: &'a Shading<'a, Q>,
     state: &'a State<'a>,
     hits: &'a Hits,
-    rays: Rays<'a>,
+    rays: &'a Rays<'a>,
     ink: Option<Ink<'a>>,
     /// The hits of the rays through the centers of pixels.
     centers: &'a Hits,
@@ -362,6 +364,15 @@ impl<Q: Queries + Sync> Part<'_, Q> {
                 .get(place)
                 .map_or(Radiance::BLACK, |sum| *sum / count),
             coverage: hits / count,
+            behind: self.behind(sums, place),
+        }
+    }
+
+    /// Returns the part of a transparent background that shows in the hits of a pixel.
+    fn behind(&self, sums: &Sums, place: usize) -> f64 {
+        match sums.behind[place] {
+            0.0 => 0.0,
+            sum => (sum / f64::from(sums.hits[place])).min(1.0),
         }
     }
 
@@ -452,6 +463,9 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             for (place, _) in ids.iter().enumerate().filter(|(_, id)| **id == NOTHING) {
                 samples.set(place, Shaded::default());
             }
+            for (sum, behind) in sums.behind.iter_mut().zip(samples.behind.chunks(side)) {
+                *sum = behind.iter().fold(*sum, |sum, behind| sum + behind);
+            }
         }
         if side == 1 {
             // The only samples are the sums.
@@ -498,13 +512,16 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             lighting,
             shadows: self.state.shadows,
             queries: shading.queries,
-            row: row_of(self.hits, &self.rays, line, left..left + columns.len()),
+            row: row_of(self.hits, self.rays, line, left..left + columns.len()),
             known,
             light: [r, g, b],
             others,
         });
         if let Some(lighting) = lighting {
-            let direct = Direct::new(world, lighting, shading.queries);
+            let mut direct = Direct::new(world, lighting, shading.queries);
+            if self.work.resolver.is_transparent {
+                direct = direct.transparent();
+            }
             for (place, shadows) in others.each() {
                 let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
                 let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
@@ -550,6 +567,8 @@ impl Sums {
         self.albedo.clear();
         self.hits.clear();
         self.hits.resize(width, 0);
+        self.behind.clear();
+        self.behind.resize(width, 0.0);
     }
 }
 
@@ -560,6 +579,8 @@ struct RowLight {
     direct: [Vec<f64>; 3],
     /// Empty if there is none.
     specular: Vec<Radiance>,
+    /// The mean of the channels of the part of a transparent background; empty if there is none.
+    behind: Vec<f64>,
 }
 
 impl RowLight {
@@ -569,6 +590,7 @@ impl RowLight {
             light.resize(count, 0.0);
         }
         self.specular.clear();
+        self.behind.clear();
     }
 
     fn direct(&self, place: usize) -> Radiance {
@@ -590,6 +612,12 @@ impl RowLight {
         }
         if let Some(specular) = self.specular.get_mut(place) {
             *specular = shaded.specular;
+        }
+        if self.behind.is_empty() && shaded.behind != Radiance::BLACK {
+            self.behind.resize(self.direct[0].len(), 0.0);
+        }
+        if let Some(behind) = self.behind.get_mut(place) {
+            *behind = shaded.behind.mean();
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,
         geometry::Geometry,
+        hit::Hit,
         light::{Ambient, Cone, Directional, Falloff, Headlight, Light, Point, Spot},
         material::{Emissive, Glass, Material, Phong},
         radiance::Radiance,
@@ -255,30 +256,60 @@ impl Case {
         let Some((id, hit)) = seen(column, row) else {
             return false;
         };
-        let side = f64::from(self.samples.side());
+        let reach = outlines.width * f64::from(self.samples.side());
         let [columns, rows] = self.sides();
-        (0..rows).any(|y| {
-            (0..columns).any(|x| {
-                let (dx, dy) = (
-                    f64::from(x) - f64::from(column),
-                    f64::from(y) - f64::from(row),
-                );
-                let reach = outlines.width * side;
-                if dx * dx + dy * dy >= reach * reach {
-                    return false;
+        // From the top left, as the nearest are compared.
+        let all = (0..rows)
+            .rev()
+            .flat_map(|y| (0..columns).map(move |x| (x, y)));
+        let apart = |(x, y): (u32, u32)| {
+            let [x, y] = [
+                i64::from(x) - i64::from(column),
+                i64::from(y) - i64::from(row),
+            ];
+            (x * x + y * y) as f64
+        };
+        let near = all.filter(|at| apart(*at) > 0.0 && apart(*at) < reach * reach);
+        let mut near: Vec<_> = near.collect();
+        near.sort_by(|one, other| apart(*one).total_cmp(&apart(*other)));
+        let mut met = vec![];
+        let own_ray = self.ray(column, row);
+        near.into_iter().any(|(x, y)| {
+            let Some((other, there)) = seen(x, y) else {
+                return true;
+            };
+            let ray = self.ray(x, y);
+            let cosine = |hit: &Hit, ray: &Ray| {
+                (hit.normal.dot(ray.direction()) / ray.direction().length()).abs()
+            };
+            let (a, b) = (cosine(&hit, &own_ray), cosine(&there, &ray));
+            let seam = if a + b == 0.0 { 0.5 } else { b / (a + b) };
+            let behind = |one: f64, other: f64| {
+                let depth = outlines.depth;
+                depth.is_some_and(|depth| other > one + depth)
+            };
+            let is_crease = outlines.creases.is_some_and(|angle| {
+                hit.normal.dot(there.normal) < libm::cos(angle * (PI / 180.0))
+            });
+            let share = if other == id {
+                match (behind(hit.t, there.t), behind(there.t, hit.t)) {
+                    (true, _) => 1.0,
+                    (_, true) => 0.0,
+                    _ if is_crease => seam,
+                    _ => 0.0,
                 }
-                let Some((other, behind)) = seen(x, y) else {
-                    return true;
-                };
-                if other != id {
-                    return behind.t > hit.t;
+            } else if met.contains(&other) {
+                0.0
+            } else {
+                met.push(other);
+                match [(id, &ray), (other, &own_ray)].map(|(id, ray)| self.world.meets(id, ray)) {
+                    [false, true] => 1.0,
+                    [true, false] => 0.0,
+                    _ => seam,
                 }
-                outlines.depth.is_some_and(|depth| behind.t > hit.t + depth)
-                    || outlines.creases.is_some_and(|angle| {
-                        (dx, dy) != (0.0, 0.0)
-                            && hit.normal.dot(behind.normal) < libm::cos(angle * (PI / 180.0))
-                    })
-            })
+            };
+            let reach = 0.5 + (reach - 0.5) * share;
+            apart((x, y)) <= reach * reach
         })
     }
 
@@ -287,7 +318,7 @@ impl Case {
         let side = self.samples.side();
         let (left, bottom) = (column * side, (self.size.height() - 1 - row) * side);
         let mut sum = LitPixel::default();
-        let (mut hits, mut shown) = (0.0, 0.0);
+        let (mut hits, mut shown, mut behind) = (0.0, 0.0, 0.0);
         for row in bottom..bottom + side {
             for column in left..left + side {
                 let ray = self.ray(column, row);
@@ -304,9 +335,14 @@ impl Case {
                     (true, _) => Shaded::direct(self.outlines.unwrap().color.to_linear()),
                     (false, None) => Shaded::direct(self.world.color_of(&ray).to_linear()),
                     (false, Some(lighting)) => {
-                        Direct::new(&self.world, lighting, &self.world).trace(&ray)
+                        let direct = Direct::new(&self.world, lighting, &self.world);
+                        match self.is_transparent {
+                            true => direct.transparent().trace(&ray),
+                            false => direct.trace(&ray),
+                        }
                     }
                 };
+                behind += light.behind.mean();
                 sum.direct = sum.direct + light.direct;
                 sum.specular = sum.specular + light.specular;
             }
@@ -318,6 +354,10 @@ impl Case {
             specular: mean(sum.specular),
             albedo: sum.albedo / count,
             coverage: hits / count,
+            behind: match behind {
+                0.0 => 0.0,
+                sum => (sum / shown).min(1.0),
+            },
         }
     }
 }
@@ -327,7 +367,8 @@ fn same(one: &LitPixel, other: &LitPixel) -> bool {
     let bits = |pixel: &LitPixel| {
         let lights = [pixel.direct, pixel.specular, pixel.albedo];
         let channels = lights.into_iter().flat_map(|light| light.channels);
-        let bits = channels.chain([pixel.coverage]).map(f64::to_bits);
+        let numbers = channels.chain([pixel.coverage, pixel.behind]);
+        let bits = numbers.map(f64::to_bits);
         bits.collect::<Vec<_>>()
     };
     bits(one) == bits(other)
@@ -336,7 +377,7 @@ fn same(one: &LitPixel, other: &LitPixel) -> bool {
 #[test]
 fn shaded_pictures_are_those_of_the_plain_definition() {
     let pools = [1, 2, 16].map(|threads| Pool::new(Some(threads)));
-    let mut lit = 0;
+    let (mut lit, mut clear) = (0, 0);
     for seed in 0..cases(150) as u64 {
         let mut random = Rng(seed.wrapping_mul(0x1234_5677) | 1);
         let case = Case::new(&mut random);
@@ -359,8 +400,53 @@ fn shaded_pictures_are_those_of_the_plain_definition() {
                 "seed {seed}, {isa}, pixel {column},{row}: {found:?} is not {plain:?}"
             );
             lit += u32::from(plain.direct != Radiance::BLACK);
+            clear += u32::from(plain.behind > 0.0);
         }
         assert!(drawn.next().is_none());
     }
     assert!(lit > 1000, "only {lit} pixels are lit");
+    assert!(
+        clear > 20,
+        "only {clear} pixels show a transparent background"
+    );
+}
+
+#[test]
+fn a_transparent_picture_in_front_of_its_background_is_the_opaque_one() {
+    let pool = Pool::new(Some(1));
+    let mut clear = 0;
+    for seed in 0..cases(60) as u64 {
+        let mut random = Rng(seed.wrapping_mul(0x2345_6789) | 1);
+        let mut case = Case::new(&mut random);
+        // Alpha is one number, so the light behind it is gray.
+        let gray = random.one(&[0.1, 0.5, 1.0]);
+        let world = World::new(
+            case.world.geometries().to_vec(),
+            Color::new(gray, gray, gray),
+        );
+        case.drawn = match case.world.lighting() {
+            Some(lighting) => world.lit(lighting.clone()),
+            None => world,
+        };
+        let background = case.drawn.background().to_linear().mean();
+        let crop = Crop::whole(case.size);
+        let [opaque, transparent] = [false, true].map(|is_transparent| {
+            case.is_transparent = is_transparent;
+            case.drawn(crop, Isa::best(), &pool)
+        });
+        for (opaque, pixel) in opaque.iter().zip(&transparent) {
+            let light = |pixel: &LitPixel| (pixel.direct + pixel.specular).mean();
+            let front = light(pixel) * pixel.coverage;
+            let all = front + (1.0 - pixel.alpha()) * background;
+            assert!(
+                (all - light(opaque)).abs() <= 1e-9 * light(opaque).max(1.0),
+                "seed {seed}: {all} is not {opaque:?}, {pixel:?}"
+            );
+            clear += u32::from(pixel.behind > 0.0);
+        }
+    }
+    assert!(
+        clear > 100,
+        "only {clear} pixels show a transparent background"
+    );
 }

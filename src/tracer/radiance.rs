@@ -53,6 +53,12 @@ impl Radiance {
         r.max(g).max(b)
     }
 
+    /// Returns the mean of the channels.
+    pub(crate) fn mean(self) -> f64 {
+        let [r, g, b] = self.channels;
+        (r + g + b) / 3.0
+    }
+
     /// Returns the bytes of `Color::from_linear`.
     pub(crate) fn to_rgb8(self) -> [u8; 3] {
         Bytes::table().of(self)

@@ -9,7 +9,7 @@ use crate::tracer::{
     light::Light,
     radiance::Radiance,
     ray::Ray,
-    shape::face::{Crossing, FaceId, Own},
+    shape::face::{Crossing, FaceId, Leaving, Own},
     tone::Tone,
 };
 
@@ -252,6 +252,22 @@ impl World {
     pub fn hit_from(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Hit<'_>)> {
         let (index, crossing) = self.nearest(ray, f64::INFINITY, own)?;
         Some((index, self.geometries[index].hit_at(ray, crossing)))
+    }
+
+    /// Returns true if a ray meets the geometry or the copy that has an id, whatever lies before it.
+    pub(crate) fn meets(&self, id: usize, ray: &Ray) -> bool {
+        let index = self.index_of(id);
+        let shape = self.geometries.get(index).map(Geometry::shape);
+        shape.is_some_and(|shape| match shape.copies() {
+            None => shape.meet(ray, Leaving::NOTHING, f64::INFINITY).is_some(),
+            Some(_) => {
+                let mut is_met = false;
+                shape.each_crossing(ray, Leaving::NOTHING, f64::INFINITY, |crossing| {
+                    is_met |= self.id_of(index, crossing.face) == id;
+                });
+                is_met
+            }
+        })
     }
 
     /// Returns the index of the geometry and the crossing of [`World::hit_from`] if its `t` is below

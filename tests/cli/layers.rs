@@ -192,3 +192,48 @@ fn several_layers_of_a_single_layer_format_do_not_fit_into_one_stream() {
     let done = run(&mut folder.strahl(args.iter().chain(&["--image-format", "exr"])));
     assert_eq!(done.status, Some(0), "{}", done.stderr);
 }
+
+#[test]
+fn alpha_is_what_hides_the_background_in_glass_and_mirrors_too() {
+    let folder = Folder::new();
+    for (material, more, alpha) in [
+        // A glass ball alone: what passes and what is mirrored ends in the background.
+        ("Glass()", "", 0),
+        ("Mirror()", "", 0),
+        // 1 - lin(0.50196) = 0.78414
+        (r##"Mirror(color: "#808080")"##, "", 200),
+        (
+            r##"Phong(diffuse: "#fff", reflection: "#808080")"##,
+            "",
+            200,
+        ),
+        (r##"Matte(color: "#fff")"##, "", 255),
+        (r##"Flat(color: "#fff")"##, "", 255),
+        // Both sides of the glass reflect: 1 - 2F/(1+F) = 0.92308 for F = 0.04.
+        (
+            "Glass()",
+            r##", Plane(point: (0, 0, -3), normal: (0, 0, 1), color: "#fff")"##,
+            235,
+        ),
+        (
+            "Mirror()",
+            r##", Plane(point: (0, 0, 9), normal: (0, 0, 1), color: "#fff")"##,
+            255,
+        ),
+    ] {
+        folder.write(
+            "alpha.ron",
+            format!(
+                r##"(image: (width: 9, height: 9), camera: Perspective(eye: (0, 0, 4), gaze: (0, 0, -1), fov: 40),
+    background: "#0000ff", lights: [Ambient()],
+    geometries: [Sphere(center: (0, 0, 0), radius: 1, material: {material}){more}])"##
+            ),
+        );
+        let args = ["render", "alpha.ron", "-q", "-o", "a.png", "--transparent"];
+        run(&mut folder.strahl(args)).quiet_success();
+        let picture = image::open(folder.path("a.png")).unwrap().to_rgba8();
+        let [r, _, b, found] = picture.get_pixel(4, 4).0;
+        assert!(found.abs_diff(alpha) <= 1, "{material}{more}: {found}");
+        assert!(alpha == 0 || r == b, "{material}{more}: blue shows");
+    }
+}

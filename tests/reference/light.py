@@ -708,30 +708,57 @@ def inked(world, grid, outlines, found, t):
     """Returns which samples lie on an outline."""
     width = float(optional(outlines, "width", 1.5)) * grid.side
     depth = float(optional(outlines, "depth", math.inf))
+    has_creases = outlines.get("creases") is not None
     creases = math.cos(math.radians(float(optional(outlines, "creases", 180.0))))
     normals = np.zeros_like(grid.o)
     seen = found >= 0
     o, d = grid.o[seen], grid.d[seen]
     normals[seen] = world.normals(found[seen], o + t[seen, None] * d, d)
+    steep = np.abs(dots(normals, grid.d)) / np.linalg.norm(grid.d, axis=1)
     rows, columns = grid.shape
-    found, t = world.owners[found].reshape(grid.shape), t.reshape(grid.shape)
-    normals = normals.reshape(rows, columns, 3)
-    ink = np.zeros(grid.shape, bool)
+    found = world.owners[found]
+    # Of each other geometry, the nearest sample that sees it counts.
+    met = np.zeros((len(found), found.max() + 2), bool)
+    ink = np.zeros(len(found), bool)
     reach = math.ceil(width)
-    for down in range(-reach, reach + 1):
-        for across in range(-reach, reach + 1):
-            if not 0.0 < math.hypot(down, across) < width:
-                continue
-            here = (clip(rows, -down), clip(columns, -across))
-            there = (clip(rows, down), clip(columns, across))
-            same = found[here] == found[there]
-            deeper = t[there] - t[here] > depth
-            sharp = dots(normals[here], normals[there]) < creases
-            if outlines.get("creases") is None:
-                sharp[:] = False
-            edge = np.where(same, deeper | sharp, t[there] > t[here])
-            ink[here] |= edge & (found[here] >= 0)
-    return ink.reshape(-1)
+    steps = range(-reach, reach + 1)
+    # Row 0 is the bottom: of samples at equal distances, those above come first.
+    for squared, up, across in sorted((a * a + b * b, -b, a) for a in steps for b in steps):
+        up = -up
+        if not 0.0 < math.sqrt(squared) < width:
+            continue
+        place = np.arange(len(found)).reshape(grid.shape)
+        here = place[clip(rows, -up), clip(columns, -across)].reshape(-1)
+        there = place[clip(rows, up), clip(columns, across)].reshape(-1)
+        counts = (found[here] >= 0) & ~met[here, found[there]]
+        here, there = here[counts], there[counts]
+        same = found[here] == found[there]
+        met[here[~same], found[there[~same]]] = True
+        seam = np.nan_to_num(steep[there] / (steep[here] + steep[there]), nan=0.5)
+        sharp = has_creases & (dots(normals[here], normals[there]) < creases)
+        within = np.where(sharp, seam, 0.0)
+        within[t[here] - t[there] > depth] = 0.0
+        within[t[there] - t[here] > depth] = 1.0
+        share = np.where(same, within, seam)
+        apart = np.flatnonzero(~same & (found[there] >= 0))
+        ends = ~meets(world, grid, found[here[apart]], there[apart])
+        covers = meets(world, grid, found[there[apart]], here[apart])
+        share[apart[ends & covers]] = 1.0
+        share[apart[~ends & ~covers]] = 0.0
+        share[found[there] < 0] = 1.0
+        ink[here[math.sqrt(squared) <= 0.5 + (width - 0.5) * share]] = True
+    return ink
+
+
+def meets(world, grid, owners, places):
+    """Returns where the ray of a sample meets a geometry, whatever lies before it."""
+    met = np.zeros(len(places), bool)
+    for index in range(len(world.shapes)):
+        rays = np.flatnonzero(world.owners[index] == owners)
+        o, d = grid.o[places[rays]], grid.d[places[rays]]
+        for t in world.roots(index, o, d, np.full(len(rays), -1)):
+            met[rays] |= np.isfinite(t)
+    return met
 
 
 def clip(count, by):

@@ -275,7 +275,7 @@ fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantit
             } else {
                 light(Light::All)
             };
-            color.extend(is_transparent.then_some(Quantity::Coverage));
+            color.extend(is_transparent.then_some(Quantity::Alpha));
             color
         }
         Layer::Position => three(Quantity::Position),
@@ -313,7 +313,9 @@ fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Numb
         }]);
     };
     let has_alpha = settings.is_transparent && layers.contains(&Layer::Color);
-    if has_alpha || layers.contains(&Layer::Coverage) {
+    if has_alpha {
+        add("A", Quantity::Alpha, colors);
+    } else if layers.contains(&Layer::Coverage) {
         add("A", Quantity::Coverage, colors);
     }
     for layer in layers {

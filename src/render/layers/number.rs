@@ -17,6 +17,9 @@ pub(super) enum Quantity {
     Light(Light, usize),
     /// The linear light of the whole pixel, which is less if part of it is transparent.
     Premultiplied(usize),
+    /// The part of the pixel that hides the background.
+    Alpha,
+    /// The fraction of the pixel where something is hit.
     Coverage,
     Depth,
     Z,
@@ -72,6 +75,7 @@ pub(super) struct Spot<'a> {
     pub(super) light: Radiance,
     /// The parts of the light, if they are requested.
     pub(super) parts: Parts,
+    pub(super) alpha: f64,
     pub(super) coverage: f64,
     /// The geometry that the center ray hits.
     pub(super) id: u32,
@@ -110,8 +114,8 @@ impl Spot<'_> {
             }
             Quantity::Light(light, channel) => {
                 let light = match light {
-                    Light::All if self.coverage == 0.0 => Radiance::BLACK,
-                    Light::All => self.light / self.coverage,
+                    Light::All if self.alpha == 0.0 => Radiance::BLACK,
+                    Light::All => self.light / self.alpha,
                     Light::Direct => self.parts.tone.expose(self.parts.direct),
                     Light::Specular => self.parts.tone.expose(self.parts.specular),
                     Light::Albedo => self.parts.albedo,
@@ -119,6 +123,7 @@ impl Spot<'_> {
                 light.channels[channel]
             }
             Quantity::Premultiplied(channel) => self.light.channels[channel],
+            Quantity::Alpha => self.alpha,
             Quantity::Coverage => self.coverage,
             Quantity::Depth => self.t,
             Quantity::Z => hit.map_or(f64::INFINITY, |(_, z)| *z),

@@ -89,17 +89,20 @@ impl Painter<'_> {
                     &flat.1
                 });
                 let t = run.t.get(place).copied().unwrap_or(f64::INFINITY);
-                let lit = run.light.get(place).map(|lit| self.lit(lit, needs_display));
+                let pixel = run.light.get(place);
+                let lit = pixel.map(|pixel| self.lit(pixel, needs_display));
                 let color = || match needs_display {
                     true => shown.color.color(),
                     false => Color::BLACK,
                 };
-                let (color, light, coverage, parts) =
-                    lit.unwrap_or_else(|| (color(), shown.light, shown.coverage, Parts::default()));
+                let (color, light, parts) =
+                    lit.unwrap_or_else(|| (color(), shown.light, Parts::default()));
+                let coverage = pixel.map_or(shown.coverage, |pixel| pixel.coverage);
                 let spot = Spot {
                     color,
                     light,
                     parts,
+                    alpha: pixel.map_or(coverage, LitPixel::alpha),
                     coverage,
                     id,
                     t,
@@ -118,17 +121,18 @@ impl Painter<'_> {
         bytes.concat()
     }
 
-    /// Returns the color, the light, the coverage and the parts of a pixel of a lit picture.
-    fn lit(&self, lit: &LitPixel, needs_display: bool) -> (Color, Radiance, f64, Parts) {
+    /// Returns the color, the light and the parts of a pixel of a lit picture.
+    fn lit(&self, lit: &LitPixel, needs_display: bool) -> (Color, Radiance, Parts) {
         let LitPixel {
             direct,
             specular,
             albedo,
             coverage,
+            behind,
         } = *lit;
         let light = direct + specular;
-        let color = if needs_display {
-            self.tone.color(light)
+        let color = if needs_display && behind < 1.0 {
+            self.tone.color(light / (1.0 - behind))
         } else {
             Color::BLACK
         };
@@ -143,7 +147,7 @@ impl Painter<'_> {
             albedo,
             tone: self.tone,
         };
-        (color, whole, coverage, parts)
+        (color, whole, parts)
     }
 
     /// Returns the values of a pixel that shows only one geometry, or nothing.
