@@ -87,6 +87,38 @@ fn imports_go_upwards_only() {
 }
 
 #[test]
+fn files_are_opened_in_one_place() {
+    let mut found = Vec::new();
+    for file in sources() {
+        let is_test = file.path.iter().any(|part| part == "tests");
+        if is_test || file.path == ["diagnostic", "reading"] {
+            continue;
+        }
+        let code = file.text.split("#[cfg(test)]\nmod tests").next().unwrap();
+        let code: Vec<_> = code
+            .lines()
+            .filter(|line| !line.trim().starts_with("//"))
+            .collect();
+        for other in [
+            "File::open",
+            "fs::read(",
+            "fs::read_to_string",
+            ".read(true)",
+        ] {
+            // A record is opened to append to it.
+            let is_record = other == ".read(true)" && file.path == ["cli", "record"];
+            if !is_record && code.iter().any(|line| line.contains(other)) {
+                found.push(format!(
+                    "{}: `{other}`; use diagnostic::open_file",
+                    file.name
+                ));
+            }
+        }
+    }
+    assert!(found.is_empty(), "\n{}\n", found.join("\n"));
+}
+
+#[test]
 fn a_wrong_import_is_found() {
     let (rooms, inner) = (Table::read("Room"), inner_tables());
     for (module, text, right) in [

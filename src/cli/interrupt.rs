@@ -44,7 +44,7 @@ fn on_signal(handle: impl Fn() + Send + 'static) -> std::io::Result<()> {
 /// its terminal. If the system does not report this, the signal is left alone.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let status = strahl::diagnostic::read_text("/proc/self/status", 1 << 16).unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
     ignored.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)

@@ -6,7 +6,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Error, ErrorKind, ImageFormat, Scene, jobs::Shard, text::sanitize};
+use strahl::{
+    Error, ErrorKind, ImageFormat, Scene, diagnostic::open_file, jobs::Shard, text::sanitize,
+};
 
 use super::{
     Failure,
@@ -111,7 +113,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 fn take_turn(path: &Path) -> Option<File> {
     // Except on Unix, a lock would keep this process from reading the band, too.
     let first = bands(path).min().filter(|_| cfg!(unix))?;
-    let band = File::open(first).ok()?;
+    let band = open_file(first).ok()?;
     band.lock().ok().map(|()| band)
 }
 

@@ -4,7 +4,6 @@ mod place;
 
 use std::{
     collections::HashSet,
-    fs::File,
     path::{Path, PathBuf},
 };
 
@@ -16,6 +15,7 @@ use serde::{
 use serde_json::Value;
 use strahl::{
     Error, Syntax,
+    diagnostic::open_file,
     scene::{Setting, SettingError},
 };
 
@@ -84,7 +84,7 @@ impl Params {
     /// Reads a table; its extension, `.csv` or `.jsonl`, determines the format.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let format = Format::of_path(path)?;
-        let bytes = File::open(path).and_then(|file| bounded::read(file, LONGEST));
+        let bytes = open_file(path).and_then(|file| bounded::read(file, LONGEST));
         let bytes = bytes.map_err(|error| Error::reading_failed(path, error))?;
         let (header, columns, rows) = match format {
             Format::Csv => csv_rows(path, &bytes)?,

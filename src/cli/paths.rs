@@ -1,12 +1,11 @@
 //! The paths given to a command: files, and folders to search.
 
 use std::{
-    fs::File,
     io::{self, Write},
     path::{Path, PathBuf},
 };
 
-use strahl::Error;
+use strahl::{Error, diagnostic::open_file};
 
 use super::{Failure, bounded};
 
@@ -87,7 +86,7 @@ fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
     let text = if is_dash(list) {
         bounded::read(io::stdin(), LONGEST_LIST)
     } else {
-        File::open(list).and_then(|file| bounded::read(file, LONGEST_LIST))
+        open_file(list).and_then(|file| bounded::read(file, LONGEST_LIST))
     };
     let text = text.and_then(|text| io::read_to_string(&*text));
     let text = text.map_err(|error| Error::reading_failed(list, error))?;

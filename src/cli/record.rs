@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use strahl::{
     Error,
+    diagnostic::open_file,
     jobs::Shard,
     text::{Stamp, Stamped},
 };
@@ -121,7 +122,7 @@ impl Written {
     /// Returns the size and checksum of a file as it is now.
     pub(super) fn of(folder: &Path, file: &str) -> io::Result<Self> {
         let mut sum = Sha256::new();
-        let bytes = io::copy(&mut File::open(folder.join(file))?, &mut sum)?;
+        let bytes = io::copy(&mut open_file(folder.join(file))?, &mut sum)?;
         Ok(Self {
             file: file.to_owned(),
             bytes,
@@ -177,7 +178,7 @@ impl Records {
     }
 
     fn add(&mut self, path: &Path) -> io::Result<()> {
-        let mut file = BufReader::new(File::open(path)?);
+        let mut file = BufReader::new(open_file(path)?);
         let mut newest = None;
         let mut line = Vec::new();
         loop {

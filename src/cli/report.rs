@@ -9,8 +9,8 @@ use std::{
 
 use serde::Serialize;
 use strahl::{
-    Error, RenderOptions, Scene, Size, film::Crop, image_file::write_file, parallel::Cancel,
-    render::Seen, scene::Origin, text::Stamp,
+    Error, RenderOptions, Scene, Size, diagnostic::is_named_pipe, film::Crop,
+    image_file::write_file, parallel::Cancel, render::Seen, scene::Origin, text::Stamp,
 };
 
 use super::{
@@ -234,6 +234,10 @@ pub(super) fn check(report: &Path, used: &[PathBuf]) -> Result<(), Failure> {
     }
     if report.is_dir() {
         return Err(refused(io::ErrorKind::IsADirectory.into()));
+    }
+    if is_named_pipe(report) {
+        let message = "is a named pipe, which may never get a reader; use a file or `>(…)`";
+        return Err(refused(io::Error::other(message)));
     }
     let place = real(report).map_err(refused)?;
     let is_there = |other: &&PathBuf| real(other).is_ok_and(|other| other == place);

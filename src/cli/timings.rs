@@ -2,13 +2,13 @@
 
 use std::{
     fmt::Write as _,
-    fs,
     io::{self, Write as _},
     time::Instant,
 };
 
 use serde_json::Value;
 use strahl::{
+    diagnostic::read_text,
     parallel::{Stage, Timings},
     text::Stamp,
 };
@@ -71,7 +71,7 @@ pub(super) fn print(format: OutputFormat, timings: &Timings, work: &Work) {
 
 /// Returns the peak memory of the process, if the system reports it: on Linux.
 fn peak_memory() -> Option<u64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let status = read_text("/proc/self/status", 1 << 16).ok()?;
     let peak = status
         .lines()
         .find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -5,7 +5,7 @@
 
 use std::{
     fmt,
-    fs::{self, File, Metadata},
+    fs::Metadata,
     io::{self, Read},
     path::Path,
 };
@@ -13,7 +13,10 @@ use std::{
 use image::Limits;
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        reading::{is_pipe, open_file},
+    },
     film::size::Size,
 };
 
@@ -121,10 +124,9 @@ impl PictureOptions {
     /// Returns the bytes of a file or a pipe.
     pub(super) fn bytes(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let unreadable = |error| Error::unreadable(path, error);
-        // Opening some devices already has an effect.
-        let about = fs::metadata(path).map_err(unreadable)?;
-        let most = self.longest(path, &about).map_err(unreadable)?;
-        let file = File::open(path).map_err(unreadable)?;
+        let file = open_file(path).map_err(unreadable)?;
+        let about = file.metadata().map_err(unreadable)?;
+        let most = self.longest(&about).map_err(unreadable)?;
         let mut bytes = Vec::new();
         if about.is_file() {
             let length = usize::try_from(about.len()).unwrap_or(usize::MAX);
@@ -141,7 +143,7 @@ impl PictureOptions {
     }
 
     /// Returns the maximum number of bytes for a file of this kind.
-    fn longest(&self, path: &Path, about: &Metadata) -> io::Result<u64> {
+    fn longest(&self, about: &Metadata) -> io::Result<u64> {
         let most = BYTES_PER_PIXEL.saturating_mul(self.max_pixels);
         let most = most.saturating_add(BESIDE_PIXELS);
         if about.is_file() {
@@ -151,24 +153,8 @@ impl PictureOptions {
                 Err(longer_than(most))
             };
         }
-        if about.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
-        }
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::FileTypeExt;
-            if about.file_type().is_fifo() {
-                // A pipe that is already open, such as `<(…)`, has a writer; a named pipe may never
-                // get one.
-                let is_open = ["/dev", "/proc"]
-                    .iter()
-                    .any(|folder| path.starts_with(folder));
-                return if is_open {
-                    Ok(most.min(LONGEST_PIPE))
-                } else {
-                    Err(io::Error::other("is a named pipe, not a file"))
-                };
-            }
+        if is_pipe(about) {
+            return Ok(most.min(LONGEST_PIPE));
         }
         Err(io::Error::other("is a device, not a file"))
     }

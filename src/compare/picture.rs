@@ -93,6 +93,17 @@ impl Picture {
         self.size
     }
 
+    /// Returns the number of bytes that the samples and layers take in memory.
+    pub fn bytes(&self) -> usize {
+        let samples = match &self.samples {
+            Samples::Bytes(bytes) => size_of_val(&**bytes),
+            Samples::Words(words) => size_of_val(&**words),
+            Samples::Floats(floats) => size_of_val(&**floats),
+        };
+        let layers = self.layers.iter().flatten();
+        samples + layers.map(|layer| layer.bytes.len()).sum::<usize>()
+    }
+
     pub(super) fn new(
         size: Size,
         channels: usize,

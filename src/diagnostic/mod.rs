@@ -1,4 +1,4 @@
-//! The faults of a scene as plain data: nothing here reads or prints.
+//! The faults of a scene as plain data, and of files that are not opened: nothing here prints.
 
 pub(crate) mod error;
 pub(crate) mod explain;
@@ -6,6 +6,7 @@ pub(crate) mod levels;
 pub(crate) mod named;
 pub(crate) mod path;
 pub(crate) mod plain;
+pub(crate) mod reading;
 
 use std::ops::Range;
 
@@ -13,6 +14,7 @@ pub use explain::{describe, page_url};
 pub use levels::Levels;
 pub use named::UnknownName;
 pub use path::{Path, Step};
+pub use reading::{is_named_pipe, open_file, read_file, read_text};
 
 use named::named;
 

@@ -28,7 +28,7 @@ mod whole;
 use std::{io::Write, path::Path};
 
 pub use movie::{FrameSink, MovieFormat, Reel};
-pub use target::write_file;
+pub use target::{replace_file, write_file};
 
 use crate::{
     diagnostic::{

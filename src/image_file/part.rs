@@ -5,7 +5,6 @@
 //! everything before it, so that a truncated or damaged file is detected.
 
 use std::{
-    fs::{self, File},
     io::{self, BufRead, BufReader, Read, Seek, Write},
     path::Path,
 };
@@ -14,7 +13,10 @@ use miniz_oxide::inflate::decompress_to_vec_zlib;
 use sha2::{Digest, Sha256};
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        reading::open_file,
+    },
     image_file::{Compression, Sink, deflate},
 };
 
@@ -49,11 +51,7 @@ pub(crate) fn is_whole(path: &Path, title: &str) -> bool {
 }
 
 fn verify(path: &Path, title: &str) -> io::Result<bool> {
-    // Opening a pipe would block until someone writes to it.
-    if !fs::metadata(path)?.is_file() {
-        return Ok(false);
-    }
-    let file = File::open(path)?;
+    let file = open_file(path)?;
     let Some(mut left) = file.metadata()?.len().checked_sub(SUM as u64) else {
         return Ok(false);
     };
@@ -83,7 +81,7 @@ fn verify(path: &Path, title: &str) -> io::Result<bool> {
 pub(crate) fn read(path: &Path, sink: Sink) -> Result<(), Error> {
     let unreadable = |error| Error::unreadable(path, error);
     let damaged = || Error::new(ErrorKind::Unreadable, "the file is damaged").at(path);
-    let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
+    let mut reader = BufReader::new(open_file(path).map_err(unreadable)?);
     read_title(&mut reader).map_err(unreadable)?;
     loop {
         let mut length = [0; 4];
@@ -113,6 +111,8 @@ fn too_long() -> Error {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -2,20 +2,31 @@
 
 use std::{
     fs::{self, File, OpenOptions, Permissions},
-    io::{self, BufWriter, Write},
+    io::{self, BufRead, BufReader, BufWriter, Write},
     path::{Path, PathBuf},
 };
 
 #[cfg(unix)]
-use std::fs::TryLockError;
+use std::{
+    fs::TryLockError,
+    thread,
+    time::{Duration, Instant},
+};
 
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::{diagnostic::error::Error, image_file::output::Output, parallel::Cancel};
+use crate::{
+    diagnostic::{error::Error, reading::open_file},
+    image_file::output::Output,
+    parallel::Cancel,
+};
 
 /// The maximum number of links that a path may lead through, as on Linux.
 const MOST_LINKS: usize = 40;
 const BUFFER: usize = 1 << 18;
+/// The longest wait for another process that replaces the same file.
+#[cfg(unix)]
+const LONGEST_TURN: Duration = Duration::from_secs(5);
 
 /// A file that is being written.
 ///
@@ -38,8 +49,12 @@ struct Unfinished {
 impl<'a> Target<'a> {
     /// Starts writing the file at `path`; `cancel` removes the unfinished file.
     pub(crate) fn create(path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
+        let place = Place::of(path).map_err(|error| Error::unwritable(path, error))?;
+        Self::at(place, path, cancel)
+    }
+
+    fn at(place: Place, path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
         let unwritable = |error| Error::unwritable(path, error);
-        let place = Place::of(path).map_err(unwritable)?;
         let (file, unfinished) = match place {
             // Opened without blocking other threads on `cancel`: opening a pipe may take until
             // someone reads it.
@@ -81,7 +96,12 @@ impl<'a> Target<'a> {
     }
 
     /// Moves the file to its place.
-    pub(crate) fn finish(mut self) -> Result<(), Error> {
+    pub(crate) fn finish(self) -> Result<(), Error> {
+        self.finish_over(None)
+    }
+
+    /// Moves the file to its place; if there are `old` bytes, only if these are there.
+    fn finish_over(mut self, old: Option<&[u8]>) -> Result<(), Error> {
         let error = |error| Error::unwritable(self.path, error);
         self.writer.flush().map_err(error)?;
         let Some(unfinished) = self.unfinished.take() else {
@@ -94,8 +114,10 @@ impl<'a> Target<'a> {
                 .map_err(error)?;
         }
         let temporary = unfinished.temporary.to_path_buf();
+        let unchanged = old.map_or(Ok(None), |old| unchanged(&unfinished.place, old));
         self.cancel.end_file(&temporary, || {
             self.cancel.check()?;
+            let _turn = unchanged.map_err(|error| Error::unwritable(self.path, error))?;
             let moved = unfinished.temporary.persist(&unfinished.place);
             moved.map_err(|failed| Error::unwritable(self.path, failed.error))
         })
@@ -146,6 +168,95 @@ fn linked(path: &Path) -> Option<PathBuf> {
     }
 }
 
+/// Replaces a text that was read from a file, as [`write_file`] writes it. If another program has
+/// changed the file since then, nothing is written.
+///
+/// # Errors
+///
+/// Fails if the file has changed or cannot be written.
+pub fn replace_file(
+    path: impl AsRef<Path>,
+    read: &[u8],
+    content: &[u8],
+    cancel: &Cancel,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    let unwritable = |error| Error::unwritable(path, error);
+    let place = Place::of(path).map_err(unwritable)?;
+    if matches!(place, Place::Through(_)) {
+        // Opening a pipe may wait for ever.
+        return Err(unwritable(io::Error::other("is not a regular file")));
+    }
+    if let Some(place) = linked(path) {
+        let _turn = unchanged(&place, read).map_err(unwritable)?;
+        cancel.check()?;
+        return fs::write(place, content).map_err(unwritable);
+    }
+    let mut target = Target::at(place, path, cancel)?;
+    target.output().write_all(content).map_err(unwritable)?;
+    target.finish_over(Some(read))
+}
+
+/// Returns the file at a place if it still has these bytes. On Unix, other processes that replace
+/// the file wait until it is dropped.
+fn unchanged(place: &Path, read: &[u8]) -> io::Result<Option<File>> {
+    let changed = || {
+        let message = "another program has changed the file since it was read, so it was not \
+                       overwritten; run the command again";
+        io::Error::new(io::ErrorKind::ResourceBusy, message)
+    };
+    let file = match take_turn(place) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(changed()),
+        file => file?,
+    };
+    match has_bytes(&file, read)? {
+        true => Ok(Some(file)),
+        false => Err(changed()),
+    }
+}
+
+/// Opens a file that no other process is replacing, and locks it.
+#[cfg(unix)]
+fn take_turn(place: &Path) -> io::Result<File> {
+    let start = Instant::now();
+    loop {
+        let file = open_file(place)?;
+        match file.try_lock() {
+            // Another process was faster.
+            Ok(()) if !is_at(&file, place) => {}
+            // The file system may have no locks.
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
+            Err(TryLockError::WouldBlock) if start.elapsed() > LONGEST_TURN => {
+                let message = "another program has locked the file";
+                return Err(io::Error::new(io::ErrorKind::ResourceBusy, message));
+            }
+            Err(TryLockError::WouldBlock) => thread::sleep(Duration::from_millis(1)),
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn take_turn(place: &Path) -> io::Result<File> {
+    open_file(place)
+}
+
+/// Returns true if a file has exactly these bytes.
+fn has_bytes(file: &File, mut bytes: &[u8]) -> io::Result<bool> {
+    let mut reader = BufReader::with_capacity(BUFFER, file);
+    loop {
+        let block = reader.fill_buf()?;
+        if block.is_empty() {
+            return Ok(bytes.is_empty());
+        }
+        match bytes.strip_prefix(block) {
+            Some(rest) => bytes = rest,
+            None => return Ok(false),
+        }
+        let length = block.len();
+        reader.consume(length);
+    }
+}
+
 /// The destination at the end of a path.
 enum Place {
     /// A device or a pipe.
@@ -156,24 +267,24 @@ enum Place {
 
 impl Place {
     fn of(path: &Path) -> io::Result<Self> {
-        let place = follow_links(path)?;
-        let old = match fs::metadata(&place) {
+        let old = match fs::metadata(path) {
             Ok(old) => old,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                return Ok(Self::File(place, None));
+                return Ok(Self::File(follow_links(path)?, None));
             }
             Err(error) => return Err(error),
         };
         if old.is_dir() {
             return Err(io::ErrorKind::IsADirectory.into());
         }
+        // The links of what is open already, such as /dev/stdout, lead to no place.
         if !old.is_file() {
-            return Ok(Self::Through(place));
+            return Ok(Self::Through(path.to_owned()));
         }
         if old.permissions().readonly() {
             return Err(io::Error::other("the file is write-protected"));
         }
-        Ok(Self::File(place, Some(old.permissions())))
+        Ok(Self::File(follow_links(path)?, Some(old.permissions())))
     }
 }
 
@@ -244,7 +355,7 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
 fn clear_left_behind(path: &Path) {
     let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
     if is_file
-        && let Ok(file) = File::open(path)
+        && let Ok(file) = open_file(path)
         && file.try_lock().is_ok()
         && is_at(&file, path)
     {
@@ -349,6 +460,40 @@ mod tests {
                 .to_string()
                 .ends_with("is a folder, not a file")
         );
+    }
+
+    #[test]
+    fn a_text_that_has_changed_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, cancel) = (folder.path().join("a.ron"), Cancel::new());
+        fs::write(&path, "read").unwrap();
+        replace_file(&path, b"read", b"new", &cancel).unwrap();
+        for there in ["", "rea", "read", "new and more"] {
+            fs::write(&path, there).unwrap();
+            let error = replace_file(&path, b"new", b"newer", &cancel).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::Unavailable);
+            assert_eq!(fs::read_to_string(&path).unwrap(), there);
+        }
+        fs::remove_file(&path).unwrap();
+        assert!(replace_file(&path, b"new", b"newer", &cancel).is_err());
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+
+    #[test]
+    fn of_many_that_replace_a_text_at_once_one_succeeds() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, cancel) = (folder.path().join("a.ron"), Cancel::new());
+        for round in 0..20_u8 {
+            fs::write(&path, [round]).unwrap();
+            let write = |own: u8| replace_file(&path, &[round], &[100, own], &cancel).is_ok();
+            let succeeded = std::thread::scope(|scope| {
+                let writers = [0, 1, 2, 3].map(|own| scope.spawn(move || write(own)));
+                writers.map(|writer| writer.join().unwrap())
+            });
+            let there = fs::read(&path).unwrap();
+            let winners = (0..4_u8).filter(|own| succeeded[usize::from(*own)]);
+            assert_eq!(winners.collect::<Vec<_>>(), [there[1]]);
+        }
     }
 
     #[cfg(unix)]

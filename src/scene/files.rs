@@ -10,7 +10,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, error::Error},
+    diagnostic::{Code, Diagnostic, error::Error, reading::open_file},
     scene::foreign::Foreign,
 };
 
@@ -116,7 +116,7 @@ impl Files for Disk {
     }
 
     fn open(&self, path: &Path) -> io::Result<Content> {
-        File::open(path).map(Content::File)
+        open_file(path).map(Content::File)
     }
 
     fn list(&self, folder: &Path) -> io::Result<Vec<(String, bool)>> {
@@ -310,10 +310,14 @@ impl<'f> Folder<'f> {
 
     /// Opens a file that was found. Returns its length as well.
     pub(crate) fn open_found(&self, found: &Path) -> Result<(Content, u64), Refused> {
-        // Opening a pipe would block forever, and a device has no length.
-        let length = self.files.length(found).map_err(Refused::unreadable)?;
-        let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
+        // A device has no length, even if it is open already.
+        let regular = |length: io::Result<Option<u64>>| {
+            let length = length.map_err(Refused::unreadable)?;
+            length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))
+        };
+        regular(self.files.length(found))?;
         let file = self.files.open(found).map_err(Refused::unreadable)?;
+        let length = regular(file.length())?;
         Ok((file, length))
     }
 

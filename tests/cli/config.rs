@@ -253,5 +253,5 @@ fn binary_and_overlong_files_are_rejected() {
     strahl(&folder, "validate in").one_line(2, &["strahl.toml: "]);
     fs::remove_file(folder.path("strahl.toml")).unwrap();
     fs::create_dir(folder.path("strahl.toml")).unwrap();
-    strahl(&folder, "validate in").one_line(2, &["strahl.toml: is not a regular file"]);
+    strahl(&folder, "validate in").one_line(2, &["strahl.toml: is a folder, not a file"]);
 }

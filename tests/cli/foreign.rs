@@ -245,7 +245,7 @@ fn endless_lists_and_tables_are_rejected() {
     symlink("/dev/zero", folder.path("z.jsonl")).unwrap();
     for table in ["z.csv", "z.jsonl"] {
         let args = ["render", "s.ron", "--params", table, "-o", "{id}.png"];
-        with_memory(&folder, LITTLE, &args).one_line(2, &[table, "longer than 1 MiB"]);
+        with_memory(&folder, LITTLE, &args).one_line(2, &[table, "is a device, not a file"]);
     }
     let script = "ulimit -v 900000; yes | \"$STRAHL\" validate --files-from -";
     run(&mut folder.shell(script)).one_line(2, &["longer than 64 MiB"]);

@@ -12,6 +12,7 @@ use std::{
 use serde::Serialize;
 use strahl::{
     Error,
+    diagnostic::read_file,
     image_file::write_file,
     parallel::Cancel,
     report::{JunitFailure, JunitWriter},
@@ -63,7 +64,7 @@ impl<'a> Results<'a> {
         }
         if self.args.update && row.result.is_taken_over() {
             let [a, b] = self.places(&row.name);
-            let file = fs::read(&b).map_err(|error| Error::reading_failed(&b, error))?;
+            let file = read_file(&b, u64::MAX).map_err(|error| Error::reading_failed(&b, error))?;
             self.write(&a, &file)?;
             row.updated = true;
         }

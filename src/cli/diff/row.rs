@@ -1,7 +1,6 @@
 //! A pair of pictures and its result.
 
 use std::{
-    fs::File,
     io::{self, BufRead, BufReader},
     path::{Path, PathBuf},
     time::Duration,
@@ -11,6 +10,7 @@ use serde::{Serialize, Serializer};
 use strahl::{
     Error,
     compare::{CompareOptions, Picture},
+    diagnostic::open_file,
 };
 
 use super::{Args, pair::Report};
@@ -170,7 +170,7 @@ pub(super) fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
     if ![a, b].iter().all(|path| path.is_file()) {
         return Ok(false);
     }
-    let (a, b) = (File::open(a)?, File::open(b)?);
+    let (a, b) = (open_file(a)?, open_file(b)?);
     if a.metadata()?.len() != b.metadata()?.len() {
         return Ok(false);
     }

@@ -10,6 +10,7 @@ use std::{
 
 use strahl::{
     Document, ImageFormat, RenderOptions, Scene,
+    diagnostic::read_text,
     image_file::MovieFormat,
     jobs::Shard,
     parallel::{Cancel, Timings},
@@ -450,7 +451,7 @@ fn is_device(path: &Path) -> bool {
 /// Returns true if standard output was closed when the program started. Rust replaces a closed one
 /// with /dev/null and opens that for reading as well, unlike a shell that redirects to it.
 fn is_closed() -> bool {
-    let Ok(about) = fs::read_to_string("/proc/self/fdinfo/1") else {
+    let Ok(about) = read_text("/proc/self/fdinfo/1", 1 << 16) else {
         return false;
     };
     let flags = about.lines().find_map(|line| line.strip_prefix("flags:"));

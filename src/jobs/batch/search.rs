@@ -1,7 +1,7 @@
 //! Search for the files that paths and folders refer to.
 
 use std::{
-    mem,
+    fs, io, mem,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, PoisonError},
 };
@@ -9,7 +9,10 @@ use std::{
 use ignore::{WalkBuilder, overrides::OverrideBuilder};
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        reading::open_file,
+    },
     jobs::config::Configs,
     text::syntax::Syntax,
 };
@@ -73,17 +76,26 @@ fn search(
     files: &mut Vec<SceneFile>,
 ) -> Result<(), Error> {
     let configs = configs.clone();
+    let ignored = Mutex::new(IgnoreFiles::above(folder)?);
     let wrong = Arc::new(Mutex::new(Ok(())));
     let first = Arc::clone(&wrong);
-    let is_wanted = move |path: &Path, is_folder| match configs.exclude(path, is_folder) {
-        Ok(excluded) => !excluded,
-        Err(error) => {
+    let is_wanted = move |path: &Path, folder_at: Option<usize>| {
+        let wanted = configs
+            .exclude(path, folder_at.is_some())
+            .and_then(|excluded| {
+                if let Some(depth) = folder_at.filter(|_| !excluded) {
+                    let mut ignored = ignored.lock().unwrap_or_else(PoisonError::into_inner);
+                    ignored.enter(path, depth)?;
+                }
+                Ok(!excluded)
+            });
+        wanted.unwrap_or_else(|error| {
             let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
             if first.is_ok() {
                 *first = Err(error);
             }
             false
-        }
+        })
     };
     let mut overrides = OverrideBuilder::new(folder);
     for pattern in excluded {
@@ -107,7 +119,7 @@ fn search(
         .filter_entry(move |entry| {
             let is_folder = entry.file_type().is_some_and(|kind| kind.is_dir());
             // The named folder itself is always searched.
-            entry.depth() == 0 || is_wanted(entry.path(), is_folder)
+            entry.depth() == 0 || is_wanted(entry.path(), is_folder.then(|| entry.depth()))
         })
         .build();
     for entry in entries {
@@ -115,7 +127,7 @@ fn search(
             Error::new(ErrorKind::Unreadable, error.to_string()).caused_by(error)
         })?;
         let is_file = entry.file_type().is_some_and(|kind| !kind.is_dir());
-        if is_file && Syntax::of_path(entry.path()).is_some() {
+        if is_file && Syntax::of_path(entry.path()).is_some() && !is_special(entry.path()) {
             let path = entry.into_path();
             files.push(SceneFile {
                 path,
@@ -127,10 +139,61 @@ fn search(
     mem::replace(&mut *wrong, Ok(()))
 }
 
+/// Returns true for a pipe or a device: it cannot be meant by the name of its folder.
+fn is_special(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir())
+}
+
+/// The sizes of the `.gitignore` files that apply in a folder. `ignore` reads them whole, and their
+/// patterns take hundreds of times the memory.
+struct IgnoreFiles {
+    /// The sizes above the start of the search, and then on the way to the last folder.
+    sizes: Vec<u64>,
+    /// The number of folders above the first that is found.
+    above: usize,
+}
+
+impl IgnoreFiles {
+    const NAME: &str = ".gitignore";
+    /// The maximum size of all that apply in a folder together.
+    const MOST: u64 = 256 << 10;
+
+    /// Checks those in a folder and above it.
+    fn above(folder: &Path) -> Result<Self, Error> {
+        let mut files = Self {
+            sizes: Vec::new(),
+            above: 0,
+        };
+        // A folder that cannot be searched has an error of its own.
+        let real = folder.canonicalize().unwrap_or_default();
+        for folder in real.ancestors() {
+            files.enter(folder, 1)?;
+            files.above += 1;
+        }
+        Ok(files)
+    }
+
+    /// Checks the one in a folder at this depth of the search, from 1.
+    fn enter(&mut self, folder: &Path, depth: usize) -> Result<(), Error> {
+        let path = folder.join(Self::NAME);
+        let size = match open_file(&path) {
+            Ok(file) => file.metadata().map_or(0, |about| about.len()),
+            // It does not apply if it cannot be read, as in other programs.
+            Err(error) if error.kind() != io::ErrorKind::InvalidInput => 0,
+            Err(error) => return Err(Error::unreadable(&path, error)),
+        };
+        self.sizes.truncate(self.above + depth - 1);
+        self.sizes.push(size);
+        if self.sizes.iter().sum::<u64>() > Self::MOST {
+            let message = "with those above it, it is larger than 256 KiB";
+            return Err(Error::new(ErrorKind::Unreadable, message).at(&path));
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     fn names(folder: &Path, excluded: &[&str]) -> Vec<String> {
@@ -173,6 +236,62 @@ mod tests {
             ["a.JSON", "b.ron", "old/e.ron", "sub/d.ron"]
         );
         assert_eq!(names(folder, &["old", "b.*"]), ["a.JSON", "sub/d.ron"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_are_no_scenes_and_no_patterns() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let pipe = |name: &str| {
+            let made = std::process::Command::new("mkfifo")
+                .arg(folder.join(name))
+                .status();
+            made.is_ok_and(|status| status.success())
+        };
+        fs::create_dir_all(folder.join("sub/deep")).unwrap();
+        fs::write(folder.join("sub/deep/a.ron"), "").unwrap();
+        std::os::unix::fs::symlink("/dev/zero", folder.join("zero.ron")).unwrap();
+        if !pipe("x.ron") {
+            return;
+        }
+        assert_eq!(names(folder, &[]), ["sub/deep/a.ron"]);
+        let refused = |from: &Path| {
+            let found = find_scenes(&[from.to_owned()], &[], &Configs::none());
+            found.unwrap_err().to_string()
+        };
+        let ignore = folder.join("sub/.gitignore");
+        std::os::unix::fs::symlink("/dev/zero", &ignore).unwrap();
+        assert!(refused(folder).ends_with(".gitignore: is a device, not a file"));
+        fs::remove_file(&ignore).unwrap();
+        assert!(pipe("sub/.gitignore"));
+        for from in [folder, &folder.join("sub"), &folder.join("sub/deep")] {
+            assert!(refused(from).contains("sub/.gitignore: is a named pipe"));
+        }
+        let excluded = find_scenes(&[folder.to_owned()], &["sub".to_owned()], &Configs::none());
+        assert!(excluded.unwrap_err().to_string().contains("no scene in"));
+    }
+
+    #[test]
+    fn patterns_are_bounded_together() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        fs::create_dir_all(folder.join("a/b")).unwrap();
+        fs::create_dir_all(folder.join("c")).unwrap();
+        fs::write(folder.join("a/b/a.ron"), "").unwrap();
+        let write = |place: &str, kibibytes: usize| {
+            let text = "# pattern\n".repeat(kibibytes * 1024 / 10);
+            fs::write(folder.join(place).join(".gitignore"), text).unwrap();
+        };
+        // Those of neighbors do not add up.
+        write("a", 200);
+        write("c", 200);
+        assert_eq!(names(folder, &[]), ["a/b/a.ron"]);
+        write("a/b", 100);
+        for from in [folder, &folder.join("a/b")] {
+            let error = find_scenes(&[from.to_owned()], &[], &Configs::none()).unwrap_err();
+            assert!(error.to_string().contains("larger than 256 KiB"), "{error}");
+        }
     }
 
     #[test]

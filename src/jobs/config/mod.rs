@@ -4,7 +4,7 @@ mod file;
 
 use std::{
     collections::HashMap,
-    fs, io,
+    io,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, PoisonError},
 };
@@ -12,10 +12,7 @@ use std::{
 use ignore::gitignore::Gitignore;
 
 use crate::{
-    diagnostic::{
-        error::{Error, ErrorKind},
-        levels::Levels,
-    },
+    diagnostic::{error::Error, levels::Levels, reading::read_text},
     report::OutputFormat,
     scene::options::ReadOptions,
 };
@@ -184,23 +181,18 @@ impl Place {
 
 /// Reads a file, if it exists.
 fn read(path: &Path) -> Result<Option<Config>, Error> {
-    let about = match fs::metadata(path) {
-        Ok(about) => about,
-        Err(error) => {
-            return match error.kind() {
-                // A path through a file is reported as an error of the scene.
-                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(None),
-                _ => Err(Error::unreadable(path, error)),
-            };
-        }
-    };
-    let refused = |message: &str| Err(Error::new(ErrorKind::Unreadable, message).at(path));
-    if !about.is_file() {
-        return refused("is not a regular file");
+    match read_text(path, LONGEST) {
+        Ok(text) => file::parse(&text, path).map(Some),
+        // A path through a file is reported as an error of the scene.
+        Err(error) if is_missing(&error) => Ok(None),
+        Err(error) => Err(Error::unreadable(path, error)),
     }
-    if about.len() > LONGEST {
-        return refused("is larger than 1 MiB");
-    }
-    let text = fs::read_to_string(path).map_err(|error| Error::unreadable(path, error))?;
-    file::parse(&text, path).map(Some)
+}
+
+/// Returns true if there is no such file.
+pub(super) fn is_missing(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+    )
 }
