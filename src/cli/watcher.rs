@@ -1,7 +1,8 @@
 //! Watching files for changes.
 //!
 //! The folders of the files are watched, not the files: editors replace a file by renaming another
-//! one over it, and a file may not exist yet.
+//! one over it, and a file may not exist yet. So is the folder of each link on the way to a file,
+//! since another link there leads to another file.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -19,12 +20,15 @@ use notify::{
     event::{AccessKind, AccessMode, ModifyKind},
 };
 
-use super::{Failure, paths::folder_of};
+use super::Failure;
 
 /// The time without an event after which a save is over.
 const QUIET: Duration = Duration::from_millis(10);
 /// The longest time that events are collected.
 const LONGEST: Duration = Duration::from_millis(100);
+
+/// The maximum number of links on the way to a file, as on Linux.
+const MOST_LINKS: usize = 40;
 
 /// Reports changes of files and folders.
 #[derive(Debug)]
@@ -36,8 +40,8 @@ pub(super) struct Watcher {
 /// The files whose changes are reported.
 #[derive(Debug, Default)]
 struct Wanted {
-    /// The files by their real paths, as they were named.
-    files: BTreeMap<PathBuf, PathBuf>,
+    /// The files, as they were named, by each real path whose change changes them.
+    files: BTreeMap<PathBuf, BTreeSet<PathBuf>>,
     /// The folders of which every file counts, likewise.
     folders: BTreeMap<PathBuf, PathBuf>,
     /// The folders that the system watches.
@@ -47,26 +51,33 @@ struct Wanted {
 impl Wanted {
     /// Adds a file, and returns the folders to watch for it.
     fn add(&mut self, file: &Path) -> Vec<PathBuf> {
-        // Behind a link, another file changes.
-        let places = [first_missing(file), file.canonicalize().ok()];
         let mut folders = Vec::new();
-        for place in places.into_iter().flatten() {
+        for place in on_the_way(file) {
             let is_below = |folder: &PathBuf| place.starts_with(folder);
             if !self.folders.keys().any(is_below) {
                 folders.extend(place.parent().map(Path::to_owned));
             }
-            self.files.insert(place, file.to_owned());
+            self.files.entry(place).or_default().insert(file.to_owned());
         }
         folders
     }
 
-    /// Returns a changed file as it was named.
-    fn named(&self, changed: &Path) -> Option<PathBuf> {
+    /// Returns the files that have changed with one, as they were named.
+    fn named(&self, changed: &Path) -> BTreeSet<PathBuf> {
         let in_folder = || {
             let mut folders = self.folders.iter();
             folders.find_map(|(real, named)| Some(named.join(changed.strip_prefix(real).ok()?)))
         };
-        self.files.get(changed).cloned().or_else(in_folder)
+        let files = self.files.get(changed).cloned();
+        files.unwrap_or_else(|| in_folder().into_iter().collect())
+    }
+
+    /// Returns all files and folders, as they were named.
+    fn all(&self) -> impl Iterator<Item = (&Path, &Path)> {
+        let files = self.files.iter();
+        let files = files.flat_map(|(real, named)| named.iter().map(move |named| (real, named)));
+        let all = files.chain(&self.folders);
+        all.map(|(real, named)| (&**real, &**named))
     }
 
     /// Returns the files that changed with a folder that is gone. The system does not watch another
@@ -75,24 +86,49 @@ impl Wanted {
         if self.watched.remove(folder).is_none() {
             return Vec::new();
         }
-        let all = self.files.iter().chain(&self.folders);
-        let lost = all.filter(|(real, _)| real.starts_with(folder));
-        lost.map(|(_, named)| named.clone()).collect()
+        let lost = self.all().filter(|(real, _)| real.starts_with(folder));
+        lost.map(|(_, named)| named.to_owned()).collect()
     }
 }
 
-/// Returns the real path of a file, which may be a link; if its folder is missing, that of the first
-/// missing folder, whose creation is the change to wait for.
-fn first_missing(file: &Path) -> Option<PathBuf> {
-    let mut ancestors = file.ancestors();
-    ancestors.find_map(|place| {
-        Some(
-            folder_of(place)
-                .canonicalize()
-                .ok()?
-                .join(place.file_name()?),
-        )
-    })
+/// Returns the real path of each link on the way to a file, and of the file itself. If a folder is
+/// missing, its creation is the change to wait for, so the last path is that of the folder.
+fn on_the_way(file: &Path) -> Vec<PathBuf> {
+    let (mut found, mut links) = (Vec::new(), 0);
+    let mut real = PathBuf::new();
+    let parts = |path: &Path| -> Vec<PathBuf> {
+        let parts = path.components().rev();
+        parts.map(|part| part.as_os_str().into()).collect()
+    };
+    let mut rest = parts(&std::path::absolute(file).unwrap_or_else(|_| file.to_owned()));
+    while let Some(part) = rest.pop() {
+        if part == Path::new("..") {
+            real.pop();
+            continue;
+        }
+        if part == Path::new(".") {
+            continue;
+        }
+        // The root replaces what is before it.
+        real.push(&part);
+        if let Ok(target) = real.read_link() {
+            // A ring leads nowhere.
+            if links == MOST_LINKS {
+                break;
+            }
+            links += 1;
+            // The system's own links stay, and all files are below their folder.
+            if !(cfg!(target_os = "macos") && real.parent() == Some(Path::new("/"))) {
+                found.push(real.clone());
+            }
+            real.pop();
+            rest.extend(parts(&target));
+        } else if real.symlink_metadata().is_err() {
+            break;
+        }
+    }
+    found.push(real);
+    found
 }
 
 impl Watcher {
@@ -133,13 +169,16 @@ impl Watcher {
 
     fn replace(&mut self, folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Result<(), Failure> {
         let mut wanted = Wanted::default();
-        for named in folders {
+        for named in &folders {
             if let Ok(real) = named.canonicalize() {
-                wanted.folders.insert(real, named);
+                wanted.folders.insert(real, named.clone());
             }
         }
+        // Another link on the way to a folder leads to another folder.
+        let named = files.iter().chain(&folders);
+        let single: Vec<_> = named.flat_map(|path| wanted.add(path)).collect();
         let mut folders = BTreeMap::new();
-        for folder in files.iter().flat_map(|file| wanted.add(file)) {
+        for folder in single {
             folders.insert(folder, RecursiveMode::NonRecursive);
         }
         for folder in wanted.folders.keys() {
@@ -205,8 +244,7 @@ fn pass_on(event: notify::Result<Event>, wanted: &Mutex<Wanted>, sender: &Sender
     let mut wanted = lock(wanted);
     let changed: Vec<_> = if event.need_rescan() {
         // Events were lost: anything may have changed.
-        let all = wanted.files.values().chain(wanted.folders.values());
-        all.cloned().collect()
+        wanted.all().map(|(_, named)| named.to_owned()).collect()
     } else if is_change(&event.kind) {
         let (is_gone, paths) = (may_be_gone(&event.kind), event.paths.iter());
         let lost = |path: &PathBuf| match is_gone {
@@ -214,7 +252,7 @@ fn pass_on(event: notify::Result<Event>, wanted: &Mutex<Wanted>, sender: &Sender
             false => Vec::new(),
         };
         let mut changed: Vec<_> = paths.clone().flat_map(lost).collect();
-        changed.extend(paths.filter_map(|path| wanted.named(path)));
+        changed.extend(paths.flat_map(|path| wanted.named(path)));
         changed
     } else {
         Vec::new()
@@ -355,6 +393,47 @@ mod tests {
         case.watch(&["a.ron"]);
         case.write("real/a.ron", "2");
         case.expect("a.ron");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn each_link_on_the_way_is_watched() {
+        use std::os::unix::fs::symlink;
+
+        let mut case = Case::new();
+        for (folder, text) in [("v1", "1"), ("v2", "2"), ("v3", "3")] {
+            fs::create_dir(case.path(folder)).unwrap();
+            case.write(&format!("{folder}/a.ron"), text);
+            case.write(&format!("{folder}/b.csv"), text);
+        }
+        let point = |case: &Case, folder: &str| {
+            symlink(folder, case.path("new")).unwrap();
+            fs::rename(case.path("new"), case.path("data")).unwrap();
+        };
+        // As configuration maps of Kubernetes are: a link to a file behind a link.
+        point(&case, "v1");
+        symlink("data/a.ron", case.path("a.ron")).unwrap();
+        let names = ["a.ron", "data/b.csv"];
+        case.watch(&names);
+        for folder in ["./v2", "v1/../v3", "v1"] {
+            point(&case, folder);
+            case.expect("a.ron");
+            point(&case, folder);
+            case.expect("data/b.csv");
+            case.watch(&names);
+            case.write("data/a.ron", "new");
+            case.expect("a.ron");
+            case.write("data/b.csv", "new");
+            case.expect("data/b.csv");
+        }
+        // Everything below a link to a folder.
+        let below = case.path("data");
+        case.watcher.watch_below([below]).unwrap();
+        point(&case, "v2");
+        case.expect("data");
+        // A ring has an end.
+        symlink("ring", case.path("ring")).unwrap();
+        case.watch(&["ring/a.ron"]);
     }
 
     #[test]
