@@ -6,7 +6,7 @@ use std::{
 };
 
 use strahl::{
-    Document, ReadOptions, Syntax, image_file::write_file, jobs::find_scenes, parallel::Cancel,
+    Document, ReadOptions, Syntax, image_file::replace_file, jobs::find_scenes, parallel::Cancel,
     text::sanitize,
 };
 
@@ -108,7 +108,10 @@ fn format(
         }
         _ if args.diff || args.check => Ok(()),
         None => super::print(&formatted),
-        Some(path) if has_changed => Ok(write_file(path, formatted.as_bytes(), cancel)?),
+        Some(path) if has_changed => {
+            let text = document.text().as_bytes();
+            Ok(replace_file(path, text, formatted.as_bytes(), cancel)?)
+        }
         Some(_) => Ok(()),
     }
 }

@@ -12,7 +12,7 @@ use std::{
 use strahl::{
     Diagnostic, Document, ReadOptions, Syntax,
     diagnostic::Code,
-    image_file::write_file,
+    image_file::replace_file,
     jobs::{Checked, Config, Configs, SceneFile, check_files, find_scenes, no_scene},
     parallel::{Cancel, Stage, in_order},
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
@@ -292,7 +292,8 @@ impl<'a> Run<'a> {
         let Some((fixed, count)) = fixed else {
             return Ok(false);
         };
-        write_file(path, fixed.as_bytes(), &self.cancel)?;
+        let text = document.text().as_bytes();
+        replace_file(path, text, fixed.as_bytes(), &self.cancel)?;
         self.fixed += count;
         Ok(true)
     }
