@@ -53,6 +53,8 @@ mod places;
 #[cfg(unix)]
 mod signals;
 #[cfg(unix)]
+mod special_files;
+#[cfg(unix)]
 mod terminal;
 #[cfg(unix)]
 mod typed;

@@ -19,6 +19,7 @@ mod many;
 mod parts;
 mod pictures;
 mod pointing;
+mod robust;
 mod showing;
 
 use std::{env, process::ExitCode};
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         many::PAGE_TESTS,
         parts::TESTS,
         pointing::TESTS,
+        robust::PAGE_TESTS,
         showing::TESTS,
     ];
     let is_missing = driver::programs().is_none();
@@ -65,7 +67,10 @@ fn main() -> ExitCode {
     trials.extend(access::AXE_TESTS.iter().map(|(name, test)| {
         trial(name, move || Browser::with(test)).with_ignored_flag(is_missing)
     }));
-    let plain = hostile::TESTS.iter().chain(many::TESTS);
+    let plain = hostile::TESTS
+        .iter()
+        .chain(many::TESTS)
+        .chain(robust::TESTS);
     trials.extend(plain.map(|(name, test)| trial(name, test)));
     let conclusion = libtest_mimic::run(&arguments, trials);
     driver::stop();

@@ -51,15 +51,26 @@ impl Preview {
     }
 
     pub(crate) fn start(folder: TempDir, scene: PathBuf, arguments: &[&str]) -> Self {
-        let mut process = Command::new(STRAHL)
+        Self::start_with(folder, scene, arguments, |_| {})
+    }
+
+    /// Likewise, with changes to the command.
+    pub(crate) fn start_with(
+        folder: TempDir,
+        scene: PathBuf,
+        arguments: &[&str],
+        change: impl FnOnce(&mut Command),
+    ) -> Self {
+        let mut command = Command::new(STRAHL);
+        command
             .arg("preview")
             .arg(&scene)
             .args(arguments)
             .current_dir(&folder)
             .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
+            .stdout(Stdio::piped());
+        change(&mut command);
+        let mut process = command.spawn().unwrap();
         let mut url = String::new();
         let output = process.stdout.as_mut().unwrap();
         BufReader::new(output).read_line(&mut url).unwrap();

@@ -1,15 +1,16 @@
 //! The scene on the desk: its draft, its file on the disk, and the state that pages follow.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 use serde::Serialize;
 use strahl::{
-    Scene, Syntax,
-    image_file::write_file,
+    Error, Scene, Syntax,
+    diagnostic::{read_file, read_text},
+    image_file::{replace_file, write_file},
     parallel::Cancel,
     session::{Checked, Draft, Session},
 };
@@ -20,11 +21,17 @@ use super::{
     routes::{Refusal, refuse},
 };
 
+/// The maximum number of bytes in the text: a browser could not show it.
+pub(super) const LONGEST: u64 = 256 << 20;
+
 /// A scene with its file.
 pub(super) struct Desk {
     session: Session,
     path: PathBuf,
     syntax: Syntax,
+    /// The turn to read or write the file. It is held without the lock of its state, so that pages
+    /// never wait for the disk.
+    turn: Mutex<()>,
     file: Mutex<FileState>,
     latest: Mutex<Option<Latest>>,
     state: watch::Sender<Arc<str>>,
@@ -34,7 +41,7 @@ pub(super) struct Desk {
 /// The file as far as it is known.
 struct FileState {
     /// The text that the draft started from.
-    base: String,
+    base: Arc<str>,
     /// True if another text is on the disk, or none.
     has_changed: bool,
 }
@@ -112,8 +119,9 @@ impl Desk {
             session,
             path,
             syntax,
+            turn: Mutex::new(()),
             file: Mutex::new(FileState {
-                base,
+                base: base.into(),
                 has_changed: false,
             }),
             latest: Mutex::new(None),
@@ -197,11 +205,13 @@ impl Desk {
     /// Takes over the text on the disk, unless the draft has unsaved edits. Returns true if it is a
     /// new one.
     fn read_again(&self) -> bool {
+        let _turn = self.turn();
+        let found = self.on_disk();
         let mut file = self.file();
         let draft = self.session.draft();
-        match self.on_disk() {
-            Ok(text) if text == file.base || text == *draft.text => {
-                file.base = text;
+        match found {
+            Ok(text) if text == *file.base || text == *draft.text => {
+                file.base = text.into();
                 file.has_changed = false;
             }
             Ok(text) if *draft.text == *file.base => {
@@ -217,18 +227,18 @@ impl Desk {
 
     fn take_over(&self, file: &mut FileState, text: String) {
         self.session.replace(&*text);
-        file.base = text;
+        file.base = text.into();
         file.has_changed = false;
     }
 
     /// Returns the text of the file.
     pub(super) fn on_disk(&self) -> io::Result<String> {
-        let bytes = fs::read(&self.path)?;
-        String::from_utf8(bytes).map_err(io::Error::other)
+        read_text(&self.path, LONGEST)
     }
 
     /// Drops the draft, and takes over the text of the file.
     pub(super) fn reload(&self) -> Result<(), Refusal> {
+        let _turn = self.turn();
         let text = self.on_disk().map_err(|error| {
             let message = format!("{} cannot be read: {error}", self.path.display());
             refuse::conflict(message)
@@ -240,7 +250,7 @@ impl Desk {
 
     /// Writes the draft into the file. If another text is there, it survives unless `overwrite`.
     pub(super) fn save(&self, version: u64, overwrite: bool) -> Result<(), Refusal> {
-        let mut file = self.file();
+        let _turn = self.turn();
         let Draft {
             version: current,
             text,
@@ -248,21 +258,41 @@ impl Desk {
         if version != current {
             return Err(refuse::outdated());
         }
-        let is_known = self.on_disk().is_ok_and(|disk| disk == file.base);
-        if !is_known && !overwrite {
-            file.has_changed = true;
-            drop(file);
+        let base = Arc::clone(&self.file().base);
+        let written = match overwrite {
+            true => self.overwrite(&text),
+            false => replace_file(&self.path, base.as_bytes(), text.as_bytes(), &self.cancel),
+        };
+        if let Err(error) = written {
+            if overwrite || self.on_disk().is_ok_and(|disk| disk == *base) {
+                return Err(refuse::unwritable(error.to_string()));
+            }
+            self.file().has_changed = true;
             self.publish();
             let message = format!("{} has changed on the disk", self.path.display());
             return Err(refuse::conflict(message));
         }
-        let written = write_file(&self.path, text.as_bytes(), &self.cancel);
-        written.map_err(|error| refuse::unwritable(error.to_string()))?;
-        file.base = text.as_ref().to_owned();
+        let mut file = self.file();
+        file.base = text;
         file.has_changed = false;
         drop(file);
         self.publish();
         Ok(())
+    }
+
+    /// Writes a text into the file whatever is there, unless that is not a file.
+    fn overwrite(&self, text: &str) -> Result<(), Error> {
+        match read_file(&self.path, LONGEST) {
+            Ok(old) => replace_file(&self.path, &old, text.as_bytes(), &self.cancel),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                write_file(&self.path, text.as_bytes(), &self.cancel)
+            }
+            Err(error) => Err(Error::writing_failed(&self.path, error)),
+        }
+    }
+
+    fn turn(&self) -> MutexGuard<'_, ()> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn file(&self) -> MutexGuard<'_, FileState> {

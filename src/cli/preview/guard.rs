@@ -14,12 +14,16 @@ use axum::{
 };
 
 use super::{
+    connections::Known,
+    opening::Opening,
     page,
     routes::{Refusal, refuse},
     unavailable,
 };
 use crate::cli::Failure;
 
+/// The port of an address that names none.
+const HTTP: u16 = 80;
 /// Number of random bytes in a token.
 const BYTES: usize = 16;
 
@@ -27,14 +31,16 @@ const BYTES: usize = 16;
 pub(super) struct Guard {
     port: u16,
     token: String,
+    opening: Arc<Opening>,
 }
 
 impl Guard {
     /// Creates the guard of an address, with a new token.
-    pub(super) fn new(address: SocketAddr) -> Result<Self, Failure> {
+    pub(super) fn new(address: SocketAddr, opening: Arc<Opening>) -> Result<Self, Failure> {
         Ok(Self {
             port: address.port(),
             token: random().map_err(|error| unavailable(&error))?,
+            opening,
         })
     }
 
@@ -43,28 +49,43 @@ impl Guard {
         format!("http://127.0.0.1:{}/?token={}", self.port, self.token)
     }
 
-    fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
-        let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
-        let hosts = ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port));
-        let host = text(header::HOST).unwrap_or_default();
-        if !hosts.iter().any(|known| known == host) {
+    /// Checks a request, and returns true if it has the token.
+    fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<bool, Refusal> {
+        let text =
+            |name: &'static str| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+        let host = text("host").unwrap_or_default();
+        if !self.is_own(host) {
             return Err(refuse::forbidden("this host is not served here"));
         }
         let own = format!("http://{host}");
-        if text(header::ORIGIN).is_some_and(|origin| origin != own) {
+        if text("origin").is_some_and(|origin| origin != own) {
             return Err(refuse::forbidden("other pages may not ask"));
         }
-        let site = text(HeaderName::from_static("sec-fetch-site"));
-        if site.is_some_and(|site| !matches!(site, "same-origin" | "none")) {
+        let has_token = self.has_token(uri, headers);
+        // The private file that leads to the page is another site.
+        let is_opened = uri.path() == "/"
+            && text("sec-fetch-mode") == Some("navigate")
+            && text("sec-fetch-dest") == Some("document");
+        let site = text("sec-fetch-site");
+        let is_foreign = site.is_some_and(|site| !matches!(site, "same-origin" | "none"));
+        if is_foreign && !(is_opened && has_token) {
             return Err(refuse::forbidden("other pages may not ask"));
         }
-        let is_known = page::is_part(uri.path()) || self.has_token(uri, headers);
-        match is_known {
-            true => Ok(()),
+        match has_token || page::is_part(uri.path()) {
+            true => Ok(has_token),
             false => Err(refuse::forbidden(
                 "the token is missing or wrong; use the address that strahl printed",
             )),
         }
+    }
+
+    /// Returns true if a request names this host. A browser leaves out the usual port.
+    fn is_own(&self, host: &str) -> bool {
+        let (name, port) = match host.split_once(':') {
+            Some((name, port)) => (name, port.parse().ok()),
+            None => (host, Some(HTTP)),
+        };
+        matches!(name, "127.0.0.1" | "localhost") && port == Some(self.port)
     }
 
     fn has_token(&self, uri: &Uri, headers: &HeaderMap) -> bool {
@@ -102,7 +123,13 @@ pub(super) async fn watch(
     next: Next,
 ) -> Response {
     let mut response = match guard.check(request.uri(), request.headers()) {
-        Ok(()) => next.run(request).await,
+        Ok(has_token) => {
+            if let Some(known) = request.extensions().get::<Known>().filter(|_| has_token) {
+                known.set();
+                guard.opening.end();
+            }
+            next.run(request).await
+        }
         Err(refusal) => refusal.into_response(),
     };
     let headers = response.headers_mut();
@@ -127,4 +154,34 @@ pub(super) async fn watch(
         headers.insert(name, HeaderValue::from_static(value));
     }
     response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_host_without_a_port_is_that_of_port_80() {
+        let own = |port, host: &str| {
+            let address = SocketAddr::from(([127, 0, 0, 1], port));
+            let guard = Guard::new(address, Arc::default());
+            guard.is_ok_and(|guard| guard.is_own(host))
+        };
+        for host in ["127.0.0.1", "localhost", "127.0.0.1:80", "localhost:80"] {
+            assert!(own(80, host) && !own(8017, host), "{host}");
+        }
+        for host in ["127.0.0.1:8017", "localhost:8017"] {
+            assert!(!own(80, host) && own(8017, host), "{host}");
+        }
+        for host in [
+            "",
+            ":80",
+            "evil.example",
+            "localhost:",
+            "localhost:80:80",
+            "[::1]",
+        ] {
+            assert!(!own(80, host), "{host}");
+        }
+    }
 }

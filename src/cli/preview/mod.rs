@@ -1,9 +1,11 @@
 //! `strahl preview`: a local page with the text of a scene, its diagnostics and its picture.
 
+mod connections;
 mod desk;
 mod drawings;
 mod findings;
 mod guard;
+mod opening;
 mod page;
 mod parts;
 mod pictures;
@@ -14,7 +16,6 @@ mod texts;
 
 use std::{
     fmt::Display,
-    fs,
     io::{self, Write},
     net::{Ipv4Addr, SocketAddr, TcpListener},
     path::PathBuf,
@@ -23,11 +24,18 @@ use std::{
 };
 
 use strahl::{
-    Syntax,
-    session::{Session, folder_of},
+    Error, Syntax,
+    diagnostic::read_text,
+    parallel::Cancel,
+    session::{Checked, Session, folder_of},
 };
 
-use self::{desk::Desk, guard::Guard, routes::App};
+use self::{
+    desk::{Desk, LONGEST},
+    guard::Guard,
+    opening::Opening,
+    routes::App,
+};
 use super::{
     Failure, config::ConfigArgs, interrupt, paths::is_dash, scene, set::SetArgs, watcher::Watcher,
 };
@@ -61,16 +69,19 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let cancel = interrupt::cancel_on_signal();
+    let (cancel, opening) = (Cancel::new(), Arc::new(Opening::default()));
+    let at_end = (cancel.clone(), Arc::clone(&opening));
+    interrupt::exit_on_signal(move || {
+        at_end.0.cancel();
+        at_end.1.end();
+    });
     let path = &args.scene;
     if is_dash(path) {
         return Err(Failure::usage(
             "standard input cannot be previewed; write the scene to a file",
         ));
     }
-    let text = fs::read(path).map_err(|error| strahl::Error::reading_failed(path, error))?;
-    let text = String::from_utf8(text)
-        .map_err(|_| Failure::refused(path, "not UTF-8; save the scene as UTF-8"))?;
+    let text = read_text(path, LONGEST).map_err(|error| Error::reading_failed(path, error))?;
     let syntax = args.input_format.or_else(|| Syntax::of_path(path));
     let syntax = syntax.ok_or_else(|| {
         let why = "the extension does not determine the syntax, expected .ron or .json; use \
@@ -82,17 +93,18 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let address = listener.local_addr().map_err(|error| unavailable(&error))?;
 
     let (checked, results) = mpsc::channel();
+    let moved = checked.clone();
     let session = Session::new(path.display().to_string(), &*text, options, move |result| {
-        let _ = checked.send(result);
+        let _ = checked.send(Some(result));
     })?;
     let desk = Arc::new(Desk::new(session, path.clone(), syntax, text, cancel));
-    let guard = Guard::new(address)?;
+    let guard = Guard::new(address, Arc::clone(&opening))?;
     let url = guard.url();
     super::print(&format!("{url}\n"))?;
-    if !args.no_open && open::that_detached(&url).is_err() {
+    if !args.no_open && opening.open(&url).is_err() {
         let _ = writeln!(io::stderr(), "open the address above in a browser");
     }
-    follow(&desk, results)?;
+    follow(&desk, moved, results)?;
     serve(listener, App::new(desk, guard))
 }
 
@@ -103,23 +115,35 @@ fn options(args: &Args, syntax: Syntax) -> Result<strahl::ReadOptions, Failure> 
     Ok(args.set.of(options))
 }
 
-/// Passes on the results of checks and the changes of files, on threads of their own.
+/// Passes on the results of checks and the changes of files, on threads of their own. `changed` asks
+/// for no result: the files are watched anew, because a link on the way to them may have changed.
 fn follow(
     desk: &Arc<Desk>,
-    results: mpsc::Receiver<Arc<strahl::session::Checked>>,
+    changed: mpsc::Sender<Option<Arc<Checked>>>,
+    results: mpsc::Receiver<Option<Arc<Checked>>>,
 ) -> Result<(), Failure> {
-    let changed = Arc::clone(desk);
-    let mut watcher = Watcher::new(move |files: &[PathBuf]| changed.on_change(files))?;
-    watcher.watch([desk.path().to_owned()])?;
+    let of_changes = Arc::clone(desk);
+    let mut watcher = Watcher::new(move |files: &[PathBuf]| {
+        of_changes.on_change(files);
+        let _ = changed.send(None);
+    })?;
+    let mut files = vec![desk.path().to_owned()];
+    watcher.watch(files.clone())?;
     let desk = Arc::clone(desk);
     let follow = move || {
-        for checked in results {
-            let files = checked.files().iter().cloned();
-            let watched = watcher.watch(files.chain([desk.path().to_owned()]));
-            if let Err(failure) = watched {
+        for result in results {
+            if let Some(checked) = &result {
+                files.truncate(1);
+                files.extend(checked.files().iter().cloned());
+            }
+            if let Err(failure) = watcher.watch(files.clone()) {
                 failure.print();
             }
-            desk.show(checked);
+            match result {
+                Some(checked) => desk.show(checked),
+                // It may have changed before it was watched.
+                None => desk.on_change(&files[..1]),
+            }
         }
     };
     let started = thread::Builder::new()
@@ -148,11 +172,7 @@ fn serve(listener: TcpListener, app: App) -> Result<(), Failure> {
         .build()
         .map_err(|error| unavailable(&error))?;
     runtime
-        .block_on(async {
-            listener.set_nonblocking(true)?;
-            let listener = tokio::net::TcpListener::from_std(listener)?;
-            axum::serve(listener, app.router()).await
-        })
+        .block_on(connections::serve(listener, app.router()))
         .map_err(|error| unavailable(&error))
 }
 

@@ -23,6 +23,8 @@ use super::{
 
 /// The number of pictures that are kept.
 const KEPT: usize = 4;
+/// The number of bytes in memory that they may have together.
+const LARGEST: usize = 1 << 30;
 /// The name of the header with the numbers of a comparison.
 const DIFFERENCE: &str = "x-strahl-difference";
 
@@ -36,16 +38,33 @@ struct Known {
     pictures: VecDeque<(String, Arc<Picture>)>,
 }
 
+impl Known {
+    /// Drops the oldest pictures until this many are left, with this many bytes together.
+    fn shrink(&mut self, most: usize, bytes: usize) {
+        let size = |known: &Self| -> usize {
+            let pictures = known.pictures.iter();
+            pictures.map(|(_, picture)| picture.bytes()).sum()
+        };
+        while self.pictures.len() > most || size(self) > bytes {
+            self.pictures.pop_front();
+        }
+    }
+}
+
 impl References {
-    fn add(&self, picture: Picture) -> String {
+    fn add(&self, picture: Picture) -> Result<String, Refusal> {
+        if picture.bytes() > LARGEST {
+            let (mebibytes, most) = (picture.bytes() >> 20, LARGEST >> 20);
+            let message =
+                format!("the picture takes {mebibytes} MiB of memory, at most {most} are kept");
+            return Err(refuse::impossible(message));
+        }
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         known.count += 1;
         let id = known.count.to_string();
         known.pictures.push_back((id.clone(), picture.into()));
-        if known.pictures.len() > KEPT {
-            known.pictures.pop_front();
-        }
-        id
+        known.shrink(KEPT, LARGEST);
+        Ok(id)
     }
 
     fn get(&self, id: &str) -> Result<Arc<Picture>, Refusal> {
@@ -61,7 +80,7 @@ pub(super) async fn add(State(App { references, .. }): State<App>, file: Bytes) 
     apart(move || {
         let picture = Picture::from_bytes(&file, &PictureOptions::new())?;
         let size = picture.size();
-        let id = references.add(picture);
+        let id = references.add(picture)?;
         Ok(Json(
             json!({"id": id, "width": size.width(), "height": size.height()}),
         ))
@@ -107,4 +126,35 @@ pub(super) async fn difference(
         Ok((headers, heat).into_response())
     })
     .await
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kept_pictures_are_bounded_by_number_and_bytes() {
+        let picture = || {
+            let file = [&b"P6 100 100 255 "[..], &[7; 30_000]].concat();
+            Arc::new(Picture::from_bytes(&file, &PictureOptions::new()).unwrap())
+        };
+        let pictures = (0..9).map(|id: u32| (id.to_string(), picture()));
+        let mut known = Known {
+            count: 9,
+            pictures: pictures.collect(),
+        };
+        let left = |known: &Known| {
+            known
+                .pictures
+                .iter()
+                .map(|(id, _)| id.clone())
+                .collect::<String>()
+        };
+        known.shrink(4, usize::MAX);
+        assert_eq!(left(&known), "5678");
+        known.shrink(4, 60_000);
+        assert_eq!(left(&known), "78");
+        known.shrink(4, 59_999);
+        assert_eq!(left(&known), "8");
+    }
 }
