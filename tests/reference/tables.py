@@ -4,6 +4,7 @@ import ast
 import csv
 import math
 import os
+import re
 import struct
 import zipfile
 
@@ -31,10 +32,48 @@ def number(text):
         return text
 
 
+# ParaView's names of coordinates.
+POINTS = {"points:0": "x", "points:1": "y", "points:2": "z"}
+SIZES = {"x", "y", "z", "x1", "y1", "z1", "x2", "y2", "z2", "radius", "scale"}
+
+
+def usual_name(name):
+    """Returns the name of a coordinate or a size without capitals and units; others stay as they are."""
+    bare = re.split(r"[\[(]", name)[0].strip().lower()
+    bare = POINTS.get(bare, bare)
+    return bare if bare in SIZES else name
+
+
+def cells(line):
+    """Returns the cells of a line with commas, tabs or blanks between them."""
+    if "," in line or ";" in line:
+        return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+    if "\t" in line:
+        return [cell.strip().strip('"') for cell in line.split("\t")]
+    return [cell.strip('"') for cell in re.sub(r" +(?=[\[(])", "", line).split()]
+
+
+def is_number(text):
+    return isinstance(number(text), float)
+
+
 def read_csv(path, columns, _points):
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        for row in csv.DictReader(file, fieldnames=columns, skipinitialspace=True):
-            yield {name: number(text) for name, text in row.items() if text != ""}
+    with open(path, encoding="utf-8-sig", newline=None) as file:
+        lines = [line for line in file.read().split("\n") if line.strip()]
+    if lines[0].lower().startswith("sep="):
+        lines = lines[1:]
+    comments = []
+    while lines and re.match(r"\s*(//|#)", lines[0]) and not (columns and re.match("#[0-9a-fA-F]{3,6}\\b", lines[0])):
+        comments.append(re.sub(r"^\s*(//|#)\s*", "", lines.pop(0)))
+    has_row = any(map(is_number, cells(lines[0])))
+    if columns:
+        lines = lines if has_row else lines[1:]
+    elif has_row:
+        columns = [usual_name(name) for name in cells(comments[-1])]
+    else:
+        columns = [usual_name(name) for name in cells(lines.pop(0))]
+    for line in lines:
+        yield {name: number(text) for name, text in zip(columns, cells(line)) if text != ""}
 
 
 NPY_TYPES = {"f2": "e", "f4": "f", "f8": "d", "i4": "i", "u1": "B"}
@@ -146,14 +185,35 @@ ELEMENTS = {
 }  # fmt: skip
 
 
-def read_xyz(path, _columns, _points):
+# What stands for a kind that is not an element.
+NEUTRAL = (1.0, "#808080")
+
+
+def read_xyz(path, columns, points):
     with open(path, encoding="utf-8") as file:
-        count, _, *lines = file.read().splitlines()
+        count, comment, *lines = file.read().splitlines()
+    if len(count.split()) != 1:
+        words = re.split(r"[\s,]+", count.strip())
+        columns = columns or (points + ["_"] * (len(words) - 3) if all(map(is_number, words)) else None)
+        yield from read_csv(path, columns, points)
+        return
+    named = re.search(r"""properties=(["']?)([^\s"']+)""", comment, re.IGNORECASE)
+    parts = (named[2] if named else "species:S:1:pos:R:3").split(":")
+    places, width = {}, 0
+    for name, _, size in zip(parts[::3], parts[1::3], map(int, parts[2::3])):
+        places[name.lower()] = (width, size)
+        width += size
     for line in lines[: int(count)]:
-        element, x, y, z, *more = line.split()
-        radius, color = ELEMENTS[element]
-        row = {"x": float(x), "y": float(y), "z": float(z), "radius": radius, "color": color}
-        yield row | {f"column{at + 5}": float(word) for at, word in enumerate(more)}
+        words = line.split()
+        found = {name: words[at : at + size] for name, (at, size) in places.items()}
+        kind = (found.get("species") or found.get("z") or found["type"])[0]
+        radius, color = ELEMENTS.get(kind, NEUTRAL)
+        row = dict(zip("xyz", map(float, found["pos"])), radius=radius, color=color)
+        if "radius" in found:
+            row["radius"] = float(found["radius"][0])
+        if "color" in found:
+            row["color"] = tuple(map(float, found["color"]))
+        yield row | {f"column{at + 5}": float(word) for at, word in enumerate(words[4:]) if not named}
 
 
 READERS = {
@@ -226,7 +286,7 @@ def geometries(name, fields, folder):
     found = rows(fields, folder, points)
     by = fields.get("color_by")
     colors = list(by_value(by, found)) if by else [None] * len(found)
-    is_xyz = fields["file"].endswith(".xyz")
+    is_xyz = fields["file"].endswith(".xyz") and found and "color" in found[0]
     for row, of_value in zip(found, colors):
         if is_xyz:
             row = row | {name: fields[name] for name in ("radius", "color") if name in fields}
