@@ -95,6 +95,13 @@ const STARTS: &[(&[u8], Foreign)] = &[
         foreign("the file is glTF", "save it as PLY, OBJ or STL"),
     ),
     (
+        b"ITEM: TIMESTEP",
+        foreign(
+            "the file is a LAMMPS dump",
+            "write atoms with `dump … xyz`, or the rows alone as CSV",
+        ),
+    ),
+    (
         b"%PDF",
         foreign("the file is a PDF document", "save the data itself"),
     ),

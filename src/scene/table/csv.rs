@@ -137,7 +137,10 @@ fn opening_of(text: &[u8], is_all: bool, request: &Request) -> Result<Option<Fou
         }
         [separator, _] => {
             let line = str::from_utf8(line).map_err(|_| Fault::new(NOT_TEXT))?;
-            (opening::names(line, separator), records)
+            let names = opening::names(line, separator);
+            let rows = text.get(records..).unwrap_or_default();
+            opening.check_commas(names.len(), rows)?;
+            (names, records)
         }
     };
     let names = usual(names, request);
@@ -252,7 +255,8 @@ fn without_names(names: &[&str], columns: &Known, missing: Fault) -> Fault {
     let message = format!("unknown column {}, expected one of {expected}", quote(name));
     let fault = Fault::new(message);
     if names.len() == 1 && name.contains([';', '\t', '|']) {
-        return fault.help("columns are separated by commas, tabs or blanks");
+        return fault
+            .help("columns are separated by commas, tabs or blanks, and decimals by points");
     }
     if name.parse::<f64>().is_ok() {
         let coordinates: Vec<_> = coordinates(&columns.columns).collect();

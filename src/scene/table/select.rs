@@ -239,7 +239,7 @@ pub(super) fn other_kind(names: &[&str], kind: RowKind) -> Option<&'static str> 
         .then_some(help)
 }
 
-/// Returns true if a name stands for a column to skip.
+/// Returns true if a name stands for a column to skip, such as the nameless index that pandas writes.
 fn is_skipped(name: &str) -> bool {
-    name.starts_with('_')
+    name.is_empty() || name.starts_with('_')
 }

@@ -29,10 +29,15 @@ pub(in super::super) fn read(
     })?;
     let (_, comment) = lines.next().unwrap_or_default();
     let mut lines = lines.peekable();
-    let in_row = lines.peek().map_or(0, |(_, line)| words(line).count());
+    let first: Vec<_> = lines
+        .peek()
+        .map_or_else(Vec::new, |(_, line)| words(line).collect());
+    let in_row = first.len();
+    let is_point = in_row == 3 && first.iter().all(|word| word.parse::<f64>().is_ok());
     let comment = String::from_utf8_lossy(comment);
     let layout = match properties(&comment) {
         Some(properties) => Layout::named(&properties)?,
+        None if is_point => return Err(point().into()),
         None => Layout::usual(in_row, &comment),
     };
     let own = Own {
@@ -105,6 +110,12 @@ pub(in super::super) fn read(
         });
     }
     Ok(atoms.into_table())
+}
+
+#[cold]
+fn point() -> Fault {
+    let fault = Fault::new("line 3: three numbers, expected an element and three numbers");
+    fault.help("a cloud of points has no number of atoms: remove the first line")
 }
 
 /// The properties that replace the radii and colors of the elements.

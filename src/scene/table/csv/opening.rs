@@ -1,7 +1,7 @@
 //! The start of a text table: comments, the header, and what separates the columns.
 
 use super::hex;
-use crate::scene::table::bytes::BYTE_ORDER_MARK;
+use crate::scene::table::{Fault, bytes::BYTE_ORDER_MARK};
 
 /// What separates the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +107,20 @@ impl Opening {
             Some(line) => opening(behind_mark(line), Some(*line), row, row.start),
             None => opening(row.start, Some(row), second.unwrap_or(nothing), row.next),
         })
+    }
+
+    /// Rejects commas in rows below names that are separated otherwise, unless there are as many of them
+    /// as names need.
+    pub(super) fn check_commas(&self, names: usize, rows: &[u8]) -> Result<(), Fault> {
+        let row = rows.split(|byte| matches!(byte, b'\n' | b'\r')).next();
+        let row = row.unwrap_or_default();
+        let cells = row.split(|byte| *byte == b',').count();
+        if self.separators[1] != Separator::Comma || cells == names || row.is_empty() {
+            return Ok(());
+        }
+        let fault =
+            Fault::new("there are commas in the rows, but not between the names of the columns");
+        Err(fault.help("write decimals with points, or commas between the names"))
     }
 }
 

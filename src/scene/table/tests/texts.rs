@@ -17,6 +17,7 @@ fn tables_of_programs_are_read() {
         // numpy.savetxt with a header, with commas or its own blanks.
         "# x,y,z\n1.0,2.5,-3.0\n4,5,6\n",
         "# x y z\n1.000e+00 2.5 -3.0\n4 5 6\n",
+        "# x y z\n1,2.5,-3\n4,5,6\n",
         "# run 7 of 2026\n# x, y, z\n1.0 2.5 -3.0\n4 5 6\n",
         // CloudCompare.
         "//X,Y,Z\n1,2.5,-3\n4,5,6\n",
@@ -113,6 +114,8 @@ fn other_tables_are_refused_with_the_cause() {
         ("sep=;\nx;y;z\n1,5;2,5;3\n", "separated by commas"),
         ("1,2,3\n4,5,6\n", "name them in the scene"),
         ("1 2 3\n4 5 6\n", "name them in the scene"),
+        ("x y z\n1,5 2 3\n", "commas in the rows"),
+        ("x\ty\tz\n1,5\t2,5\t3,5\n", "decimals with points"),
         ("x,X,y\n1,2,3\n", "unknown column `X`"),
         ("# only a comment\n", "there is no column `x`"),
     ] {

@@ -204,6 +204,12 @@ fn faults_of_atoms_name_line_and_column() {
              comment",
         ),
         (
+            "2\n1 2 3\n4 5 6\n",
+            Format::Xyz,
+            "line 3: three numbers, expected an element and three numbers; a cloud of points has no number \
+             of atoms: remove the first line",
+        ),
+        (
             "2\n\nC 0 0 0\n",
             Format::Xyz,
             "the file is cut off: 1 of 2 atoms",
