@@ -193,6 +193,32 @@ fn values_of_vertices_are_those_of_the_scene() {
 }
 
 #[test]
+fn faces_have_their_colors() {
+    let colored = |name: &str, red: u8| {
+        let scene = format!(
+            "(image: (width: 32, height: 16), camera: Orthographic(eye: (1, 0.5, 5), gaze: (0, 0, -1), \
+             scale: 0.5), geometries: [Mesh(file: \"{name}\")])"
+        );
+        let ply = format!(
+            "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty \
+             float z\nelement face 2\nproperty list uchar int vertex_index\nproperty uchar red\nproperty \
+             uchar green\nproperty uchar blue\nend_header\n0 0 0\n1 0 0\n2 0 0\n2 1 0\n1 1 0\n0 1 0\n4 \
+             0 1 4 5 {red} 0 0\n4 1 2 3 4 0 0 255\n"
+        );
+        let files = Memory::new().with("mine.ron", scene).with(name, ply);
+        let options = ReadOptions::new().files(files);
+        let document = Document::from_path_with("mine.ron", &options).unwrap();
+        assert_eq!(document.diagnostics(), []);
+        Scene::try_from(document).unwrap()
+    };
+    let scene = colored("a.ply", 200);
+    let picture = scene.render().unwrap();
+    let row = [[[200, 0, 0]; 16].concat(), [[0, 0, 255]; 16].concat()].concat();
+    assert!(picture.pixels().chunks(row.len()).all(|each| each == row));
+    assert!(colored("a.ply", 201).world() != scene.world());
+}
+
+#[test]
 fn changed_colors_of_vertices_change_the_world() {
     let world = |fields: &str, red: &str, energy: &str| {
         let scene = format!(
