@@ -99,12 +99,11 @@ fn format(
     let has_changed = formatted != document.text();
     match file {
         _ if args.diff && has_changed => {
-            print_diff(document, &formatted)?;
-            Err(Failure::Found)
+            Failure::worst(print_diff(document, &formatted), Err(Failure::Found))
         }
         _ if args.check && has_changed => {
-            super::print(&format!("{}\n", sanitize(document.name())))?;
-            Err(Failure::Found)
+            let printed = super::print(&format!("{}\n", sanitize(document.name())));
+            Failure::worst(printed, Err(Failure::Found))
         }
         _ if args.diff || args.check => Ok(()),
         None => super::print(&formatted),

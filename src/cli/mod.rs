@@ -120,8 +120,9 @@ enum Failure {
     Usage(String),
     /// An unusable table of values.
     Table(Box<params::TableFaults>),
-    /// A closed output: the reader of the result has seen enough.
-    Closed,
+    /// A closed output: the reader of the result has seen enough. The exit status is that of the
+    /// result.
+    Closed { status: u8 },
 }
 
 impl From<Error> for Failure {
@@ -149,7 +150,7 @@ impl Failure {
     /// Returns the failure for text that could not be written to standard output.
     fn stdout(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
-            Self::Closed
+            Self::Closed { status: 0 }
         } else {
             Self::Library(Error::writing_failed(STDOUT, error))
         }
@@ -157,7 +158,7 @@ impl Failure {
 
     fn status(&self) -> u8 {
         match self {
-            Self::Closed => 0,
+            Self::Closed { status } => *status,
             Self::Found => 1,
             Self::Reported | Self::Usage(_) | Self::Table(_) => 2,
             Self::Library(error) => match error.kind() {
@@ -201,7 +202,7 @@ impl Failure {
     /// Returns the message that has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
-            Self::Found | Self::Reported | Self::Closed => None,
+            Self::Found | Self::Reported | Self::Closed { .. } => None,
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
             Self::Table(faults) => Some(faults.message()),

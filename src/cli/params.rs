@@ -20,7 +20,7 @@ use strahl::{
 };
 
 use self::place::Line;
-pub(super) use self::place::TableFaults;
+pub(super) use self::place::{TableFaults, Told};
 use super::{Failure, bounded};
 
 /// The maximum size of a table, in MiB.
@@ -76,8 +76,10 @@ enum Cell {
 pub(super) struct Columns {
     /// True for each column that is a path into the scene.
     are_paths: Vec<bool>,
-    /// The columns that are neither paths nor names.
+    /// The columns that are neither names nor paths that lead somewhere.
     pub(super) unused: Vec<TableFaults>,
+    /// The values that all rows set as well.
+    pub(super) for_all: Vec<Setting>,
 }
 
 impl Params {
@@ -114,6 +116,12 @@ impl Params {
         self.columns.iter().map(String::as_str)
     }
 
+    /// Returns the first value that a column sets.
+    fn first(&self, at: usize) -> Option<Setting> {
+        let mut rows = 0..self.rows.len();
+        rows.find_map(|row| self.setting(row, at)?.ok())
+    }
+
     /// Returns the values that a row sets in a scene.
     pub(super) fn settings(&self, row: usize, columns: &Columns) -> Result<Vec<Setting>, Failure> {
         let paths = columns
@@ -122,7 +130,9 @@ impl Params {
             .enumerate()
             .filter(|(_, is_path)| **is_path);
         let settings = paths.filter_map(|(at, _)| self.setting(row, at));
-        settings.collect()
+        settings
+            .chain(columns.for_all.iter().cloned().map(Ok))
+            .collect()
     }
 
     fn setting(&self, row: usize, at: usize) -> Option<Result<Setting, Failure>> {
@@ -158,7 +168,10 @@ impl Params {
         Some(if is_part {
             Ok(text)
         } else {
-            let what = format!("{text:?} cannot be part of a file name");
+            let what = match &*text {
+                "" => "the cell is empty, but its value is part of a file name".to_owned(),
+                text => format!("{text:?} cannot be part of a file name"),
+            };
             Err(self.wrong(&row.line, column, &what))
         })
     }

@@ -87,13 +87,17 @@ impl PictureArgs {
 
     /// Returns the description of the picture for a report, for a scene with this size.
     pub(super) fn image<'a>(&self, size: Size, camera: Option<&'a str>) -> ImageTerms<'a> {
-        ImageTerms::new(self.size.unwrap_or(size), self.crop, camera)
+        ImageTerms::new(self.whole(size), self.crop, camera)
+    }
+
+    /// Returns the size of the whole picture for a scene with this size.
+    pub(super) fn whole(&self, size: Size) -> Size {
+        self.size.unwrap_or(size)
     }
 
     /// Returns the size to draw for a scene with this size.
     pub(super) fn size(&self, size: Size) -> Size {
-        let whole = self.size.unwrap_or(size);
-        self.crop.map_or(whole, Crop::size)
+        self.crop.map_or(self.whole(size), Crop::size)
     }
 
     /// Returns the samples per pixel, for a scene with this number.

@@ -196,7 +196,9 @@ impl Files for WatchedFiles {
 /// Prints a line on standard error. If nobody reads it any more, the program ends.
 pub(super) fn print_line(line: &str) -> Result<(), Failure> {
     match writeln!(io::stderr(), "{}", sanitize(line)) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Err(Failure::Closed),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
+            Err(Failure::Closed { status: 0 })
+        }
         _ => Ok(()),
     }
 }

@@ -33,7 +33,7 @@ use super::{
 pub(super) const STDIN: &str = "<stdin>";
 
 /// The maximum number of problems printed before a scene is rendered.
-const MOST: usize = 100;
+pub(super) const MOST: usize = 100;
 
 /// The scene that a command works on.
 #[derive(clap::Args)]
@@ -299,13 +299,17 @@ pub(super) fn is_new(report: &FileReport<'_>) -> bool {
 pub(super) fn print_report(report: &FileReport<'_>, quiet: bool) {
     let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
     let diagnostics: Vec<_> = report.diagnostics.iter().filter(wanted).cloned().collect();
-    if diagnostics.is_empty() || !is_new(report) {
+    let mut left_out = report.suppressed;
+    if quiet {
+        left_out.warnings = 0;
+    }
+    if diagnostics.is_empty() && left_out.is_empty() || !is_new(report) {
         return;
     }
     let (diagnostics, suppressed) = limit(&diagnostics, MOST);
     let report = FileReport {
         diagnostics: &diagnostics,
-        suppressed,
+        suppressed: suppressed + left_out,
         ..*report
     };
     let mut summary = Summary::default();

@@ -53,12 +53,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::refused(&folder.join(FOLDER), message));
     };
     let status = Status::of(&records, newest, folder);
-    super::print_as(args.output_format, Stamp::Status, &status)?;
-    if status.is_done() {
-        Ok(())
-    } else {
-        Err(Failure::Found)
-    }
+    let printed = super::print_as(args.output_format, Stamp::Status, &status);
+    let result = match status.is_done() {
+        true => Ok(()),
+        false => Err(Failure::Found),
+    };
+    Failure::worst(printed, result)
 }
 
 impl Status {

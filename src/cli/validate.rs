@@ -25,7 +25,7 @@ use super::{
     fmt::print_diff,
     interrupt,
     levels::LevelArgs,
-    params::Params,
+    params::{Params, Told},
     paths::{PathArgs, is_dash},
     render::source::{RowFaults, faults_of_row},
     rounds::WatchedFiles,
@@ -124,8 +124,10 @@ struct Run<'a> {
     most: usize,
     /// The failure that the run ends with, regardless of the scenes.
     failure: Option<Failure>,
-    /// True once the unused columns of the table have been reported.
-    has_reported_columns: bool,
+    /// True once the reader of the report has left. The rest is still checked, for the exit status.
+    is_closed: bool,
+    /// The faults of the table that have been reported.
+    told: Option<Told>,
     /// The folders in which no scene has been found yet.
     empty_folders: Vec<usize>,
 }
@@ -158,11 +160,16 @@ impl<'a> Run<'a> {
             summary: Summary::default(),
             most: most.unwrap_or(MOST),
             failure: None,
-            has_reported_columns: false,
+            is_closed: false,
+            told: None,
             empty_folders: Vec::new(),
         };
         if let Some(path) = &args.params {
             run.params = run.usable(Params::read(path))?;
+            run.told = run
+                .params
+                .as_ref()
+                .map(|params| Told::new(params, run.most));
         }
         Ok(run)
     }
@@ -310,7 +317,22 @@ impl<'a> Run<'a> {
             return Ok(());
         };
         self.fixed += count;
-        print_diff(document, &fixed)
+        self.print(|_| print_diff(document, &fixed))
+    }
+
+    /// Prints something, unless the reader of the report has left.
+    fn print(
+        &mut self,
+        print: impl FnOnce(&mut dyn Report) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        if self.is_closed {
+            return Ok(());
+        }
+        match print(&mut *self.reporter) {
+            Err(Failure::Closed { .. }) => self.is_closed = true,
+            printed => return printed,
+        }
+        Ok(())
     }
 
     fn report(&mut self, document: Document) -> Result<(), Failure> {
@@ -327,7 +349,7 @@ impl<'a> Run<'a> {
             ..scene::findings(document)
         };
         self.summary.count(&report);
-        self.reporter.file(&report).map_err(Failure::stdout)?;
+        self.print(|reporter| reporter.file(&report).map_err(Failure::stdout))?;
         for part in document.parts() {
             if self.parts.is_new(part) {
                 self.report_part(&scene::findings_of_part(part))?;
@@ -348,12 +370,11 @@ impl<'a> Run<'a> {
         let Some(params) = self.params.take().filter(|_| !document.has_errors()) else {
             return Ok(());
         };
+        let mut told = self.told.take();
         let columns = params.columns_of(document, None);
-        // They are the same for all scenes, except for the suggestions.
-        if !std::mem::replace(&mut self.has_reported_columns, true) {
-            for unused in &columns.unused {
-                self.report_part(&unused.report())?;
-            }
+        for mut unused in columns.unused.clone() {
+            told.iter_mut().for_each(|told| unused.keep_new(told));
+            self.report_part(&unused.report())?;
         }
         let check = |row| {
             let settings = params.settings(row, &columns)?;
@@ -363,11 +384,15 @@ impl<'a> Run<'a> {
         let threads = self.args.threads.count();
         let report =
             |faults: Result<Option<RowFaults>, Failure>| match self.usable(faults)?.flatten() {
-                Some(faults) => faults.all().try_for_each(|part| self.report_part(&part)),
+                Some(mut faults) => {
+                    told.iter_mut().for_each(|told| faults.keep_new(told));
+                    faults.all().try_for_each(|part| self.report_part(&part))
+                }
                 None => Ok(()),
             };
         in_order(0..params.len(), threads, AT_ONCE, check, report)?;
         self.params = Some(params);
+        self.told = told;
         Ok(())
     }
 
@@ -399,7 +424,7 @@ impl<'a> Run<'a> {
             ..*part
         };
         self.count_part(&report);
-        self.reporter.file(&report).map_err(Failure::stdout)
+        self.print(|reporter| reporter.file(&report).map_err(Failure::stdout))
     }
 
     /// Counts faults of a part, an option or a table that belong to a scene already counted.
@@ -409,10 +434,18 @@ impl<'a> Run<'a> {
         self.summary.files = files;
     }
 
-    fn finish(self) -> Result<(), Failure> {
-        if !self.args.diff {
-            let finished = self.reporter.finish(&self.summary);
-            finished.map_err(Failure::stdout)?;
+    fn finish(mut self) -> Result<(), Failure> {
+        if let Some(told) = self.told.take()
+            && let Some(rest) = told.rest()
+        {
+            self.report_part(&rest)?;
+        }
+        let mut is_closed = self.is_closed;
+        if !self.args.diff && !is_closed {
+            match self.reporter.finish(&self.summary).map_err(Failure::stdout) {
+                Err(Failure::Closed { .. }) => is_closed = true,
+                finished => finished?,
+            }
         }
         let fixed = match self.fixed {
             0 => String::new(),
@@ -420,10 +453,15 @@ impl<'a> Run<'a> {
             count => format!(" ({count} can be fixed by `--fix`)"),
         };
         let _ = writeln!(io::stderr(), "{}{fixed}", self.summary.sentence());
-        match self.failure {
-            Some(failure) => Err(failure),
-            None if self.summary.errors > 0 => Err(Failure::Found),
-            None => Ok(()),
+        let failure = match self.failure {
+            None if self.summary.errors > 0 => Some(Failure::Found),
+            failure => failure,
+        };
+        if is_closed {
+            let status = failure.as_ref().map_or(0, Failure::status);
+            failure.iter().for_each(Failure::print);
+            return Err(Failure::Closed { status });
         }
+        failure.map_or(Ok(()), Err)
     }
 }

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             }
         };
         // An edit does not mend a wrong command.
-        if matches!(failure, Failure::Closed) || is_first && failure.status() == 2 {
+        if matches!(failure, Failure::Closed { .. }) || is_first && failure.status() == 2 {
             return Err(failure);
         }
         is_first = false;

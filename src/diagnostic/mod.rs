@@ -232,6 +232,23 @@ pub struct Diagnostic {
     pub path: Path,
     /// The other places of the fault.
     pub labels: Vec<Label>,
+    /// The place of the fault in a file that the scene names, such as a table.
+    pub in_file: Option<Box<InFile>>,
+}
+
+/// A place in a file that a scene names: in a table or a mesh that is a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InFile {
+    /// The path of the file from the current folder.
+    pub file: String,
+    /// The number of the line, from 1.
+    pub line: usize,
+    /// The text of the line.
+    pub text: String,
+    /// Byte offsets in the line, end exclusive.
+    pub range: Range<usize>,
+    /// The message without the name of the file.
+    pub message: String,
 }
 
 impl Diagnostic {
@@ -246,6 +263,7 @@ impl Diagnostic {
             fix: None,
             path: Path::ROOT,
             labels: Vec::new(),
+            in_file: None,
         }
     }
 

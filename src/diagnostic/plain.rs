@@ -3,7 +3,7 @@
 use std::{cell::OnceCell, fmt::Write as _};
 
 use crate::{
-    diagnostic::{Diagnostic, Severity},
+    diagnostic::{Diagnostic, InFile, Severity},
     text::{
         lines::{Lines, Place},
         sanitize::sanitize,
@@ -43,6 +43,18 @@ pub(crate) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) 
     text
 }
 
+/// Returns a fault at its place in a file that the scene names.
+pub(crate) fn own(fault: &Diagnostic, place: &InFile) -> Diagnostic {
+    Diagnostic {
+        range: place.range.clone(),
+        message: place.message.clone(),
+        fix: None,
+        labels: Vec::new(),
+        in_file: None,
+        ..fault.clone()
+    }
+}
+
 /// The largest number of listed faults.
 const MOST: usize = 100;
 
@@ -61,6 +73,21 @@ pub(crate) fn listing(texts: &[Text<'_>]) -> (String, String) {
             let lines = OnceCell::new();
             for fault in faults.by_ref().take(MOST - listed.len()) {
                 let lines = lines.get_or_init(|| Lines::new(text));
+                if let Some(place) = &fault.in_file {
+                    let (own, at) = (own(fault, place), Lines::after(place.line - 1, &place.text));
+                    if listed.is_empty() {
+                        first = line(&place.file, Place::new(&at, &own.range), &own);
+                    }
+                    let used_by = lines.position(fault.range.start);
+                    listed.push(format!(
+                        "{}\nnote: used by {}:{}:{}",
+                        paragraph(&place.file, &at, &own),
+                        sanitize(name),
+                        used_by.line,
+                        used_by.column
+                    ));
+                    continue;
+                }
                 if listed.is_empty() {
                     first = line(name, Place::new(lines, &fault.range), fault);
                 }

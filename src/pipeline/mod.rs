@@ -71,6 +71,8 @@ pub struct Scene {
     world: Arc<World>,
     /// The hash of the world, computed by `hash.rs` on first use.
     world_hash: Arc<OnceLock<String>>,
+    /// The last results of framing several scenes of which this is the first.
+    known_together: Arc<Known>,
     /// The results of cameras that frame the scene.
     known: Arc<Known>,
     origins: Arc<Origins>,
@@ -196,6 +198,48 @@ impl Scene {
         let camera = framing.explicit(&fit, size);
         let camera = camera.and_then(|camera| camera.build());
         camera.map_err(|error| refused(&self.file, &error))
+    }
+
+    /// Returns the same scene for a picture of this size, in which the current camera, if it is a
+    /// `Fit` of the scene, frames the geometries of these scenes instead, always the same ones. It
+    /// frames those of a scene with an animation in all its frames.
+    ///
+    /// # Errors
+    ///
+    /// Scenes that cannot be framed.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let scene = |radius| {
+    ///     let text = format!(
+    ///         "(camera: Fit(), geometries: [Sphere(center: (0, 0, 0), radius: {radius}, color: \"#f00\")])"
+    ///     );
+    ///     Scene::from_text(text, Syntax::Ron)
+    /// };
+    /// let scenes = [scene(1)?, scene(2)?];
+    /// let [small, large] = scenes.clone();
+    /// let size = small.size();
+    /// assert_ne!(small.camera().eye(), large.camera().eye());
+    /// let small = small.framed_with(&scenes, size)?;
+    /// assert_eq!(small.camera().eye(), large.camera().eye());
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn framed_with(self, scenes: &[Self], size: Size) -> Result<Self, Error> {
+        let (Some(fit), Some(first)) = (&self.cameras.chosen.fit, scenes.first()) else {
+            return Ok(self);
+        };
+        let all = scenes.iter();
+        let all =
+            all.map(|scene| framing(&scene.world, scene.moving.as_deref(), &scene.known, None));
+        let all: Vec<_> = all.collect();
+        let known = &first.known_together;
+        let camera = known.explicit(&all, fit, (size.width(), size.height()));
+        let camera = camera.and_then(|camera| camera.build());
+        let camera = camera.map_err(|error| refused(&self.file, &error))?;
+        Ok(self.seen_by(camera))
     }
 
     /// Returns true if the current camera is a `Fit` of the scene, which frames the geometries.
@@ -496,6 +540,7 @@ impl TryFrom<Document> for Scene {
             scales,
         } = built.map_err(|error| refused(&file, &error))?;
         let known = Arc::default();
+        let known_together = Arc::default();
         let framing = framing(&world, moving.as_deref(), &known, cancel);
         let cameras = Cameras::of(&seen, &framing, 0, &file);
         cancel.map_or(Ok(()), Cancel::check)?;
@@ -505,6 +550,7 @@ impl TryFrom<Document> for Scene {
             world: world.into(),
             world_hash: Arc::default(),
             known,
+            known_together,
             frame: 0,
             origins: origins.into(),
             scales: scales.into(),

@@ -7,7 +7,7 @@ use std::{
     io::{self, Write},
 };
 
-use super::{FileReport, Report, Summary, summary::counted};
+use super::{FileReport, Report, Summary, summary::counted, summary::with_use};
 use crate::{
     diagnostic::{Diagnostic, Severity, plain::paragraph},
     text::{
@@ -51,7 +51,7 @@ impl<W: Write> Report for Github<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
-            let command = command(report.file, &lines, diagnostic);
+            let command = command(report, &lines, diagnostic);
             self.put(diagnostic.severity, &command)?;
         }
         if !report.suppressed.is_empty() {
@@ -84,7 +84,8 @@ impl<W: Write> Report for Github<W> {
     }
 }
 
-fn command(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
+fn command(report: &FileReport<'_>, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
+    let file = report.file;
     let place = Place::new(lines, &diagnostic.range);
     let (first, last) = (place.start.line, place.last_line());
     let mut command = format!(
@@ -99,7 +100,7 @@ fn command(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
         let _ = write!(command, ",col={from},endColumn={to}");
     }
     // The log of a step shows only the message, so the message repeats the place.
-    let message = paragraph(file, lines, diagnostic);
+    let message = with_use(paragraph(file, lines, diagnostic), report.used_by);
     let _ = writeln!(
         command,
         ",title={}::{}",

@@ -11,7 +11,7 @@ use annotate_snippets::{
     renderer::{DEFAULT_LINE_NUM_STYLE, DecorStyle},
 };
 
-use super::{FileReport, Report, Style, Summary, excerpt::width};
+use super::{FileReport, Report, Style, Summary, UsedBy, excerpt::width};
 use crate::text::sanitize::sanitize;
 use crate::{
     diagnostic::{Code, Diagnostic, Severity},
@@ -50,6 +50,7 @@ impl<W: Write> Report for Human<W> {
             file: &sanitize(&file),
             text: report.text,
             lines: report.lines(),
+            used_by: report.used_by,
             style: self.style,
         };
         for diagnostic in report.diagnostics {
@@ -71,6 +72,7 @@ struct Source<'a> {
     file: &'a str,
     text: &'a str,
     lines: Lines<'a>,
+    used_by: Option<UsedBy<'a>>,
     style: Style,
 }
 
@@ -103,6 +105,9 @@ impl Source<'_> {
                 let path = format!("this is `{}`", sanitize(&diagnostic.path.to_string()));
                 group = group.element(Level::NOTE.message(path));
             }
+        }
+        if let Some(used_by) = self.used_by {
+            group = group.element(Level::NOTE.message(used_by.to_string()));
         }
         if let Some(help) = &diagnostic.help {
             let room = self.style.width.saturating_sub(digits + " = help: ".len());

@@ -8,7 +8,7 @@ use std::{
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-use super::{FileReport, Report, Summary};
+use super::{FileReport, Report, Summary, UsedBy};
 use crate::{
     diagnostic::Diagnostic,
     text::{
@@ -53,7 +53,7 @@ impl<W: Write> Report for Json<W> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
             self.list
-                .item(&mut self.out, &Entry::new(report.file, &lines, diagnostic))?;
+                .item(&mut self.out, &Entry::new(report, &lines, diagnostic))?;
         }
         Ok(())
     }
@@ -82,7 +82,7 @@ impl<W: Write> Report for Jsonl<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
-            let entry = Entry::new(report.file, &lines, diagnostic);
+            let entry = Entry::new(report, &lines, diagnostic);
             write_value(&mut self.out, &Stamped::new(Stamp::Diagnostic, entry))?;
             self.out.write_all(b"\n")?;
         }
@@ -107,6 +107,8 @@ struct Entry<'a> {
     labels: Vec<LabelEntry<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fix: Option<FixEntry<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    used_by: Option<UsedBy<'a>>,
 }
 
 #[derive(Serialize)]
@@ -150,7 +152,7 @@ impl Span {
 }
 
 impl<'a> Entry<'a> {
-    fn new(file: &'a str, lines: &Lines<'_>, diagnostic: &'a Diagnostic) -> Self {
+    fn new(report: &FileReport<'a>, lines: &Lines<'_>, diagnostic: &'a Diagnostic) -> Self {
         let labels = diagnostic.labels.iter().map(|label| LabelEntry {
             span: Span::new(lines, &label.range),
             message: &label.message,
@@ -164,7 +166,7 @@ impl<'a> Entry<'a> {
             edits: fix.edits.iter().map(edit).collect(),
         });
         Self {
-            file,
+            file: report.file,
             span: Span::new(lines, &diagnostic.range),
             severity: diagnostic.severity.name(),
             code: diagnostic.code.name(),
@@ -173,6 +175,7 @@ impl<'a> Entry<'a> {
             path: diagnostic.path.to_string(),
             labels: labels.collect(),
             fix,
+            used_by: report.used_by,
         }
     }
 }

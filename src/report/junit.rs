@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use super::{FileReport, Report, Summary};
+use super::{FileReport, Report, Summary, summary::with_use};
 use crate::{
     diagnostic::{Severity, plain::paragraph},
     text::sanitize::sanitize,
@@ -131,7 +131,7 @@ impl<W: Write> Report for Junit<W> {
             let all = report.diagnostics.iter();
             let all = all.filter(move |one| one.severity == severity);
             all.map(|one| {
-                let text = paragraph(report.file, &lines, one);
+                let text = with_use(paragraph(report.file, &lines, one), report.used_by);
                 (one, one.code.to_string(), text)
             })
         };

@@ -7,6 +7,7 @@
 mod excerpt;
 mod github;
 mod human;
+mod in_files;
 mod json;
 mod junit;
 mod option_faults;
@@ -15,19 +16,23 @@ mod short;
 mod summary;
 
 use std::{
+    fmt,
     io::{self, Write},
     path::Path,
     time::Duration,
 };
 
 pub use crate::diagnostic::Suppressed;
+use in_files::InFiles;
 pub use junit::{JunitFailure, JunitWriter, escaped};
 use option_faults::OfOptions;
 pub use summary::{Summary, limit};
 
+use serde::Serialize;
+
 use crate::{
     diagnostic::{Code, Diagnostic, named::named},
-    text::lines::Lines,
+    text::{lines::Lines, sanitize::sanitize},
 };
 
 /// Returns the URI of a file, relative if its path is.
@@ -104,6 +109,27 @@ pub struct FileReport<'a> {
     pub suppressed: Suppressed,
     /// The time for reading and checking the file.
     pub time: Duration,
+    /// The place that names the file, if the report is about a file that a scene names.
+    pub used_by: Option<UsedBy<'a>>,
+}
+
+/// A place that names a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct UsedBy<'a> {
+    /// The name of the scene or the part.
+    pub file: &'a str,
+    /// The line, from 1.
+    pub line: usize,
+    /// The column in Unicode scalar values, from 1.
+    pub column: usize,
+}
+
+impl fmt::Display for UsedBy<'_> {
+    /// Writes `used by scene.ron:3:20`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { file, line, column } = self;
+        write!(f, "used by {}:{line}:{column}", sanitize(file))
+    }
 }
 
 impl<'a> FileReport<'a> {
@@ -151,7 +177,7 @@ pub fn reporter<'w>(
     out: impl Write + 'w,
 ) -> Box<dyn Report + 'w> {
     let for_tools: Box<dyn Report + 'w> = match format {
-        OutputFormat::Human => return Box::new(human::Human::new(out, style)),
+        OutputFormat::Human => return Box::new(InFiles(Box::new(human::Human::new(out, style)))),
         OutputFormat::Short => Box::new(short::Short::new(out)),
         OutputFormat::Json => Box::new(json::Json::new(out)),
         OutputFormat::Jsonl => Box::new(json::Jsonl::new(out)),
@@ -159,7 +185,7 @@ pub fn reporter<'w>(
         OutputFormat::Github => Box::new(github::Github::new(out)),
         OutputFormat::Junit => Box::new(junit::Junit::new(out)),
     };
-    Box::new(OfOptions(for_tools))
+    Box::new(InFiles(Box::new(OfOptions(for_tools))))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use std::{
 use serde::Serialize;
 
 use super::{
-    Describe, FileReport, Report, Summary, Suppressed,
+    Describe, FileReport, Report, Summary, Suppressed, UsedBy,
     json::{List, write_value},
     summary::counted,
 };
@@ -81,8 +81,15 @@ impl<W: Write> Report for Sarif<W> {
         let bytes = report.path.map(|path| path.as_os_str().as_encoded_bytes());
         let bytes = bytes.unwrap_or(report.file.as_bytes());
         let uri = uri::of_bytes(bytes, cfg!(windows));
+        let used_by = report.used_by;
+        let used_by =
+            used_by.map(|place| (uri::of_bytes(place.file.as_bytes(), cfg!(windows)), place));
         for diagnostic in report.diagnostics {
-            let finding = Finding::new(&uri, &lines, diagnostic);
+            let mut finding = Finding::new(&uri, &lines, diagnostic);
+            let related = used_by
+                .iter()
+                .map(|(uri, place)| Location::used_by(uri, place));
+            finding.related_locations.extend(related);
             self.results.item(&mut self.out, &finding)?;
         }
         Ok(())
@@ -217,6 +224,24 @@ struct Location<'a> {
 }
 
 impl<'a> Location<'a> {
+    /// Creates the place that names the file of a finding.
+    fn used_by(uri: &'a str, place: &UsedBy<'_>) -> Self {
+        let UsedBy { line, column, .. } = *place;
+        Self {
+            message: Some(Message::new("used by this file")),
+            physical_location: PhysicalLocation {
+                artifact_location: ArtifactLocation { uri },
+                region: Region {
+                    start_line: line,
+                    start_column: column,
+                    end_line: line,
+                    end_column: column,
+                },
+            },
+            logical_locations: Vec::new(),
+        }
+    }
+
     fn new(uri: &'a str, lines: &Lines<'_>, range: &Range<usize>) -> Self {
         Self {
             message: None,

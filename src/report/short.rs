@@ -23,7 +23,11 @@ impl<W: Write> Report for Short<W> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
             let place = Place::new(&lines, &diagnostic.range);
-            writeln!(self.out, "{}", line(report.file, place, diagnostic))?;
+            let line = line(report.file, place, diagnostic);
+            match report.used_by {
+                Some(used_by) => writeln!(self.out, "{line} ({used_by})")?,
+                None => writeln!(self.out, "{line}")?,
+            }
         }
         if !report.suppressed.is_empty() {
             // Written without line and column, so that no tool takes it for a diagnostic.

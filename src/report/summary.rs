@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::diagnostic::{Diagnostic, Severity, Suppressed};
-use crate::report::FileReport;
+use crate::report::{FileReport, UsedBy};
 
 impl fmt::Display for Suppressed {
     /// Writes `… and 37 more errors, 2 more warnings in this file`.
@@ -74,6 +74,14 @@ impl Summary {
 pub(super) fn counted(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {noun}{plural}")
+}
+
+/// Returns the text of a fault with a note about the place that names its file, if there is one.
+pub(super) fn with_use(text: String, used_by: Option<UsedBy<'_>>) -> String {
+    match used_by {
+        Some(used_by) => format!("{text}\nnote: {used_by}"),
+        None => text,
+    }
 }
 
 /// Returns the first `most` diagnostics, errors before warnings, in their order, and the number

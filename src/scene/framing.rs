@@ -95,25 +95,47 @@ impl Framing<'_> {
         fit: &FitModel,
         size: (u32, u32),
     ) -> Result<CameraModel, GeometryError> {
-        // The lock is held meanwhile, so that threads do not compute the same.
-        let mut known = self.known.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut all = known.iter();
-        if let Some((.., found)) = all.find(|(other, of, _)| other == fit && *of == size) {
-            return found.clone();
-        }
-        let mut content = Content::new(self);
-        let found = fit.explicit(size, |directions| content.search(directions));
-        if self.is_cancelled() {
-            return Err(GeometryError::CannotFit);
-        }
-        known.truncate(KEPT - 1);
-        known.insert(0, (fit.clone(), size, found.clone()));
-        found
+        self.known.explicit(std::slice::from_ref(self), fit, size)
     }
 
     /// Returns true if the search should end.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(Cancel::is_cancelled)
+    }
+}
+
+impl Known {
+    /// Returns the camera that a `Fit` becomes to see all of some scenes, always the same ones.
+    ///
+    /// # Errors
+    ///
+    /// As [`Framing::build`].
+    pub(crate) fn explicit(
+        &self,
+        scenes: &[Framing],
+        fit: &FitModel,
+        size: (u32, u32),
+    ) -> Result<CameraModel, GeometryError> {
+        // The lock is held meanwhile, so that threads do not compute the same.
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut all = known.iter();
+        if let Some((.., found)) = all.find(|(other, of, _)| other == fit && *of == size) {
+            return found.clone();
+        }
+        let mut contents: Vec<_> = scenes.iter().map(Content::new).collect();
+        let found = fit.explicit(size, |directions| {
+            let mut extremes = Extremes::new(directions);
+            for content in &mut contents {
+                extremes.add_all(&content.search(directions));
+            }
+            extremes
+        });
+        if scenes.iter().any(Framing::is_cancelled) {
+            return Err(GeometryError::CannotFit);
+        }
+        known.truncate(KEPT - 1);
+        known.insert(0, (fit.clone(), size, found.clone()));
+        found
     }
 }
 

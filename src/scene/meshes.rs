@@ -14,6 +14,7 @@ use crate::{
             },
             scene::Model,
         },
+        in_file,
         mesh_file::{Flaw, Format, MeshFile, Note, Request},
         options::ReadOptions,
         place::{Place, and_more},
@@ -68,17 +69,25 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             colors,
             value: by.as_ref().map(|by| by.column.clone()),
         };
+        let before = problems.len();
+        let locate = |problems: &mut Vec<Problem>| {
+            let problems = problems.get_mut(before..).unwrap_or_default();
+            let name = || options.path_of(&*wanted.file);
+            in_file::place(problems, &wanted.file, name, &[], files);
+        };
         if !known.contains_key(&wanted) {
             match open(&place, files, &wanted, options) {
                 Ok(found) => drop(known.insert(wanted.clone(), found)),
                 Err(problem) => {
                     problems.push(problem);
+                    locate(&mut problems);
                     continue;
                 }
             }
         }
         if let Some(Found { mesh, names, notes }) = known.get(&wanted) {
             problems.extend(notes.iter().map(|note| problem(&place, note)));
+            locate(&mut problems);
             if let Some(mesh) = mesh {
                 problems.extend(colorless(
                     &place,

@@ -257,7 +257,17 @@ impl Place<'_> {
         let clamped = first.map(|first| Bad { count, ..first });
         let numbers = wrong.into_iter().chain(clamped);
         let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
-        let rows = table.bad_rows().iter();
+        let is_choice = |bad: &BadRows| {
+            let by = named.color_by;
+            by.is_some_and(|by| table.has_no_numbers(bad, by))
+        };
+        // The choice of a column is one fault.
+        let (choice, rows): (Vec<_>, Vec<_>) =
+            table.bad_rows().iter().partition(|bad| is_choice(bad));
+        let count = choice.iter().map(|bad| bad.count).sum();
+        let mut choice = choice.first().map(|first| BadRows::clone(first));
+        choice.iter_mut().for_each(|choice| choice.count = count);
+        let rows = rows.into_iter().chain(&choice);
         let rows = rows.map(|bad| (bad.row, self.bad_rows(bad, named, table)));
         let mut found: Vec<_> = numbers.chain(rows).collect();
         found.sort_by_key(|(row, _)| *row);

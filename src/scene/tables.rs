@@ -18,6 +18,7 @@ use crate::{
             scene::Model,
             transform::TransformModel,
         },
+        in_file,
         instances::Instances,
         options::ReadOptions,
         part::{Part, PartLight},
@@ -101,14 +102,21 @@ pub(crate) fn read(
             continue;
         };
         let named = &named;
+        let before = problems.len();
         let place = Place {
             file: named.file,
             variant: model.path_of(at),
+        };
+        let locate = |problems: &mut Vec<Problem>, columns: &[String]| {
+            let problems = problems.get_mut(before..).unwrap_or_default();
+            let name = || options.path_of(named.file);
+            in_file::place(problems, named.file, name, columns, files);
         };
         let table = match open(named, model.materials.as_ref(), &place, files, options) {
             Ok((table, format)) => {
                 place.check(named, &table, format, &mut problems);
                 problems.extend(place.not_taken(&table));
+                locate(&mut problems, &table.names().all);
                 place.unused_columns(named, &table, format, &mut problems);
                 if table.has_unread_rows() || !place.has_values(named, &table, &mut problems) {
                     continue;
@@ -118,6 +126,7 @@ pub(crate) fn read(
             }
             Err(problem) => {
                 problems.push(problem);
+                locate(&mut problems, &[]);
                 continue;
             }
         };
@@ -137,6 +146,7 @@ pub(crate) fn read(
                     Ok(rows) => rows,
                     Err((at, error)) => {
                         problems.push(place.not_placed(at, &table, &error));
+                        locate(&mut problems, &[]);
                         continue;
                     }
                 };

@@ -63,7 +63,7 @@ impl<'a> Lines<'a> {
 
     /// Like [`new`](Self::new), with `before` lines in front of the text that count in line
     /// numbers.
-    pub(crate) fn after(before: usize, text: &'a str) -> Self {
+    pub fn after(before: usize, text: &'a str) -> Self {
         let first = if text.starts_with('\u{feff}') {
             '\u{feff}'.len_utf8()
         } else {

@@ -50,6 +50,7 @@ mod foreign;
 #[cfg(unix)]
 mod pipes;
 mod places;
+mod places_in_files;
 #[cfg(unix)]
 mod signals;
 #[cfg(unix)]

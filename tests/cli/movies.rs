@@ -235,3 +235,187 @@ fn pixel_and_info_show_any_frame() {
         }
     }
 }
+
+/// A scene whose `Fit` frames the atoms of a table.
+const STEP: &str = r##"(
+    image: (width: 32, height: 24),
+    camera: Fit(from: (0, 0, 1)),
+    cameras: {"top": Fit(from: (0, 1, 0), up: (0, 0, -1))},
+    geometries: [Spheres(file: "0.csv", radius: 0.5, color_by: (column: "q"))],
+)"##;
+
+/// A folder with three steps of a growing chain, and the table that names them.
+fn steps() -> Folder {
+    let folder = Folder::new();
+    folder.write("s.ron", STEP);
+    let mut rows = "geometries[0].file\n".to_owned();
+    for step in 0..3 {
+        let atoms: String = (0..=step).map(|at| format!("{at},0,0,{at}\n")).collect();
+        folder.write(format!("{step}.csv"), format!("x,y,z,q\n{atoms}"));
+        rows += &format!("{step}.csv\n");
+    }
+    folder.write("rows.csv", rows);
+    folder
+}
+
+#[test]
+fn the_rows_of_a_table_are_the_frames_of_one_movie() {
+    let folder = steps();
+    drawn(&folder, "s.ron --params rows.csv -o s.apng");
+    drawn(
+        &folder,
+        "s.ron --params rows.csv -o s.y4m --fps 5 --threads 1",
+    );
+    assert_eq!(frames(&folder, "s.apng"), 3);
+    let movie = bytes(&folder, "s.y4m");
+    let header = b"YUV4MPEG2 W32 H24 F5:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
+    let frames: Vec<_> = movie
+        .strip_prefix(header)
+        .unwrap()
+        .chunks(6 + 3 * 32 * 24)
+        .collect();
+    assert_eq!(frames.len(), 3);
+    // Each is that of an animation that shows this row.
+    for (step, frame) in frames.iter().enumerate() {
+        let still = STEP.replace("0.csv", &format!("{step}.csv"));
+        folder.write(
+            "a.ron",
+            still.replace("geometries:", "animation: (fps: 5, frames: 1, tracks: {\"geometries[0].radius\": [(0, 0.5)]}), geometries:"),
+        );
+        drawn(&folder, "a.ron -o a.y4m");
+        assert_eq!(&bytes(&folder, "a.y4m")[header.len()..], *frame, "{step}");
+    }
+    drawn(
+        &folder,
+        "s.ron --params rows.csv -o {scene}_{camera}.y4m --all-cameras --fps 5",
+    );
+    drawn(
+        &folder,
+        "s.ron --params rows.csv -o top.y4m --camera top --fps 5",
+    );
+    assert_eq!(bytes(&folder, "s_top.y4m"), bytes(&folder, "top.y4m"));
+    let done = render(
+        &folder,
+        "s.ron --params rows.csv -o - --image-format y4m --fps 5 -q",
+    );
+    assert_eq!((done.status, &*done.stderr), (Some(0), ""));
+    assert_eq!(done.stdout, movie);
+}
+
+#[test]
+fn a_series_is_kept_until_a_row_changes() {
+    let folder = steps();
+    let args = "s.ron --params rows.csv --fit-all -o s.apng --resume";
+    let made = |args: &str| render(&folder, args).stderr;
+    assert!(made(args).contains("1 drawn"));
+    let first = bytes(&folder, "s.apng");
+    assert!(made(args).contains("1 kept"));
+    assert!(made(&format!("{args} --fps 9")).contains("1 drawn"));
+    assert!(made(args.replace(" --fit-all", "").as_str()).contains("1 drawn"));
+    assert_ne!(bytes(&folder, "s.apng"), first);
+    assert!(made(args).contains("1 drawn"));
+    assert_eq!(bytes(&folder, "s.apng"), first);
+    folder.write("1.csv", "x,y,z,q\n0,0,0,7\n");
+    assert!(made(args).contains("1 drawn"));
+}
+
+#[test]
+fn impossible_series_are_rejected() {
+    let folder = steps();
+    folder.write("sizes.csv", "image.width\n8\n9\n");
+    folder.write("bad.csv", "geometries[0].radius\n1\n-1\n");
+    folder.write("m.ron", ORBIT);
+    folder.write("t.csv", "geometries[0].radius\n1\n2\n");
+    for (args, expected, status) in [
+        (
+            "s.ron --params sizes.csv -o q.apng",
+            "sizes.csv:3: the picture is 9x",
+            2,
+        ),
+        ("s.ron --params bad.csv -o q.apng", "bad.csv:3:1", 1),
+        (
+            "m.ron --params t.csv -o q.apng",
+            "put {id} into the name",
+            2,
+        ),
+        (
+            "m.ron --params t.csv --fit-all -o {id}.apng",
+            "--fit-all is for rows without",
+            2,
+        ),
+        (
+            "s.ron --params rows.csv -o {id}.png --fps 3",
+            "--fps is for a movie",
+            2,
+        ),
+        ("s.ron -o q.apng --fps 3", "--fps is for a movie", 2),
+        ("s.ron -o q.png --fit-all", "--params", 2),
+        ("s.ron --params rows.csv -o q.apng --fps 0", "above 0", 2),
+    ] {
+        let done = render(&folder, args);
+        assert_eq!(done.status, Some(status), "{args}: {}", done.stderr);
+        assert!(done.stderr.contains(expected), "{args}: {}", done.stderr);
+        assert!(!folder.path("q.apng").exists(), "{args}");
+    }
+}
+
+#[test]
+fn all_rows_are_framed_together() {
+    let folder = steps();
+    let warning = "the colors of the rows have different ranges";
+    let done = render(&folder, "s.ron --params rows.csv -o {id}.ppm");
+    assert!(done.stderr.contains(warning), "{}", done.stderr);
+    let quiet = render(&folder, "s.ron --params rows.csv -o {id}.ppm -q");
+    assert_eq!(quiet.stderr, "");
+    let done = render(&folder, "s.ron --params rows.csv -o all_{id}.ppm --fit-all");
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+    assert!(!done.stderr.contains(warning), "{}", done.stderr);
+    // The last step is the largest, and has all values.
+    assert_eq!(bytes(&folder, "all_2.ppm"), bytes(&folder, "2.ppm"));
+    assert_ne!(bytes(&folder, "all_0.ppm"), bytes(&folder, "0.ppm"));
+    // The pictures are those of the camera and the range that the last step has.
+    run(&mut folder.strahl(["convert", "s.ron", "e.ron", "--explicit-camera"]));
+    folder.write("last.ron", STEP.replace("0.csv", "2.csv"));
+    run(&mut folder.strahl(["convert", "last.ron", "last_e.ron", "--explicit-camera"]));
+    let explicit = String::from_utf8(bytes(&folder, "last_e.ron")).unwrap();
+    let ranged = explicit.replace("column: \"q\"", "column: \"q\", range: (0, 2)");
+    assert_ne!(ranged, explicit);
+    folder.write("one.ron", ranged);
+    for step in 0..3 {
+        let set = format!("one.ron -o one.ppm -q --set geometries[0].file={step}.csv");
+        drawn(&folder, &set);
+        let expected = bytes(&folder, "one.ppm");
+        assert_eq!(
+            bytes(&folder, &format!("all_{step}.ppm")),
+            expected,
+            "{step}"
+        );
+    }
+    // In a picture of another shape, and in parts of the job.
+    drawn(
+        &folder,
+        "s.ron --params rows.csv -o w_{id}.ppm --fit-all --size 24x48",
+    );
+    drawn(
+        &folder,
+        "s.ron --params rows.csv -o v_{id}.ppm --fit-all --size 24x48 --shard 1/3",
+    );
+    assert_eq!(bytes(&folder, "w_1.ppm"), bytes(&folder, "v_1.ppm"));
+    drawn(&folder, "last.ron -o last.ppm --size 24x48");
+    assert_eq!(bytes(&folder, "w_2.ppm"), bytes(&folder, "last.ppm"));
+    // A range of the scene stays.
+    folder.write("given.ron", STEP.replace("\"q\"", "\"q\", range: (0, 9)"));
+    let done = render(
+        &folder,
+        "given.ron --params rows.csv -o g_{id}.ppm --fit-all",
+    );
+    assert_eq!(
+        (done.status, done.stderr.contains("ranges")),
+        (Some(0), false)
+    );
+    drawn(
+        &folder,
+        "given.ron --set geometries[0].file=2.csv -o given.ppm",
+    );
+    assert_eq!(bytes(&folder, "g_2.ppm"), bytes(&folder, "given.ppm"));
+}

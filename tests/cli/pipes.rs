@@ -1,8 +1,8 @@
 //! Readers that close the pipe, and outputs that are full.
 
-use std::{path::Path, process::Stdio};
+use std::{fs, path::Path, process::Stdio};
 
-use crate::support::{Done, Folder, finish, run, skip};
+use crate::support::{Done, Folder, RON, finish, run, skip};
 
 /// Runs the program with a standard output that is no longer read.
 fn into_closed_pipe(folder: &Folder, args: &[&str]) -> Done {
@@ -72,6 +72,83 @@ fn a_closed_pipe_is_fine_for_text() {
         let done = run(&mut folder.shell(script));
         assert_eq!(done.stderr, "", "{script}");
     }
+}
+
+/// Returns a folder with scenes that have errors, warnings and neither, and a job with a failed
+/// picture.
+fn with_findings() -> Folder {
+    let folder = Folder::with_scenes();
+    for name in ["a", "b"] {
+        fs::create_dir(folder.path(name)).unwrap();
+    }
+    folder.write("a/wrong.ron", RON.replace("radius: 0.5", "radius: -0.5"));
+    folder.write("b/fine.ron", RON);
+    folder.write("b/long.ron", RON.replace(": ", ":    "));
+    let args = ["render", "a/wrong.ron", "b/fine.ron", "-o", "out/"];
+    run(&mut folder.strahl(args));
+    folder
+}
+
+#[test]
+fn a_closed_pipe_keeps_the_status_of_the_findings() {
+    let folder = with_findings();
+    for format in [
+        "human", "short", "json", "jsonl", "sarif", "github", "junit",
+    ] {
+        for (scene, status) in [("a", 1), ("b", 0), ("missing.ron", 2)] {
+            let args = ["validate", "b", scene, "--output-format", format];
+            let done = into_closed_pipe(&folder, &args);
+            assert_eq!(
+                done.status,
+                Some(status),
+                "{format} {scene}: {}",
+                done.stderr
+            );
+        }
+    }
+    let others: [(&[&str], i32); 8] = [
+        (&["validate", "a", "--diff"], 1),
+        (&["fmt", "b", "--check"], 1),
+        (&["fmt", "b", "--diff"], 1),
+        (&["fmt", "b/long.ron", "b/missing.ron", "--check"], 2),
+        (&["status", "out"], 1),
+        (&["status", "out", "--output-format", "json"], 1),
+        (
+            &[
+                "render",
+                "a/wrong.ron",
+                "b/fine.ron",
+                "-o",
+                "out/",
+                "--report",
+                "-",
+            ],
+            1,
+        ),
+        (&["info", "a/wrong.ron"], 1),
+    ];
+    for (args, status) in others {
+        let done = into_closed_pipe(&folder, args);
+        assert_eq!(done.status, Some(status), "{args:?}: {}", done.stderr);
+    }
+}
+
+#[test]
+fn a_closed_report_leaves_the_other_files() {
+    let folder = Folder::with_scenes();
+    let args = [
+        "render",
+        "scene.ron",
+        "-o",
+        "x.png",
+        "--report",
+        "-",
+        "--depfile",
+        "x.d",
+    ];
+    let done = into_closed_pipe(&folder, &args);
+    assert_eq!((done.status, &*done.stderr), (Some(0), ""));
+    assert_eq!(folder.names(), ["scene.json", "scene.ron", "x.d", "x.png"]);
 }
 
 #[test]

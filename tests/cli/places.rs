@@ -5,7 +5,7 @@ use std::fs;
 
 use crate::support::{Done, Folder, RON, run};
 
-const TABLE: &str = "id,camera.fov,geometries[1].color\na,60,\nb,200,\n\nc,60,blue\n";
+const TABLE: &str = "id,camera.fov,geometries[1].color\na,60,\nb,200,\n\nc,60,blub\n";
 
 fn messages(folder: &Folder, args: &[&str]) -> (Done, String) {
     let done = run(&mut folder.strahl(args));
@@ -34,7 +34,7 @@ fn every_format_names_the_line_of_the_table() {
         ),
         (
             "short",
-            &["bad.csv:5:6: error[wrong-type]: column `geometries[1].color`: "],
+            &["bad.csv:5:6: error[invalid-color]: column `geometries[1].color`: "],
         ),
         (
             "github",
@@ -61,7 +61,7 @@ fn every_format_names_the_line_of_the_table() {
             &[
                 "--> bad.csv:3:3\n",
                 "3 | b,200,\n  |   ^^^",
-                "5 | c,60,blue\n  |      ^^^^",
+                "5 | c,60,blub\n  |      ^^^^",
             ],
         ),
     ] {
@@ -299,4 +299,124 @@ fn an_unused_column_is_reported() {
     let (done, messages) = self::messages(&folder, &args);
     assert_eq!(done.status, Some(1), "{messages}");
     assert!(messages.contains("0 drawn"), "{messages}");
+}
+
+#[test]
+fn a_path_that_leads_nowhere_is_reported_once_at_its_column() {
+    let folder = Folder::with_scenes();
+    let rows: String = (0..2000).map(|row| format!("{row},60,1\n")).collect();
+    folder.write(
+        "t.csv",
+        format!("id,camera.fvo,geometries[9].radius\n{rows}"),
+    );
+    let rows = (0..2000).map(|_| "{\"camera.fvo\": 60, \"geometries[9].radius\": 1}\n");
+    folder.write("t.jsonl", rows.collect::<String>());
+    for (table, columns) in [("t.csv", [4, 15]), ("t.jsonl", [2, 20])] {
+        let short = ["--output-format", "short", "--params", table];
+        let (done, all) = messages(&folder, &[&["validate", "scene.ron"], &short[..]].concat());
+        assert_eq!(done.status, Some(1), "{all}");
+        let [fov, radius] =
+            columns.map(|column| format!("{table}:1:{column}: error[unknown-path]"));
+        let lines: Vec<&str> = all.lines().collect();
+        assert_eq!(lines.len(), 3, "{all}");
+        assert!(
+            lines[0].starts_with(&fov) && lines[1].starts_with(&radius),
+            "{all}"
+        );
+        assert!(
+            lines[0].contains("column `camera.fvo`: unknown field `fvo`"),
+            "{all}"
+        );
+        let render = ["render", "scene.ron", "--params", table, "-o", "out/"];
+        let (done, all) = messages(&folder, &render);
+        assert_eq!(done.status, Some(1), "{all}");
+        assert_eq!(all.matches("unknown-path").count(), 2, "{all}");
+        assert!(
+            all.contains("did you mean `fov`?") && all.len() < 2000,
+            "{all}"
+        );
+    }
+}
+
+#[test]
+fn a_bad_column_hides_no_other_fault() {
+    let folder = Folder::with_scenes();
+    // A scale is a field of the camera that the first row sets.
+    let camera = "\"Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4)\"";
+    folder.write(
+        "t.csv",
+        format!("camera.fvo,camera,camera.scale,image.width\n1,{camera},2,8\n1,,2,0\n"),
+    );
+    let args = [
+        "validate",
+        "scene.ron",
+        "--params",
+        "t.csv",
+        "--output-format",
+        "short",
+    ];
+    let (_, all) = messages(&folder, &args);
+    for fault in [
+        "t.csv:3:4: error[unknown-path]: column `camera.scale`",
+        "t.csv:3:6: error[out-of-range]: column `image.width`",
+    ] {
+        assert_eq!(all.matches(fault).count(), 1, "{fault}: {all}");
+    }
+}
+
+#[test]
+fn a_fault_of_the_scene_is_reported_once_for_all_rows() {
+    let folder = Folder::new();
+    let scene = RON.replace("radius: 0.5", "radius: 0.5, material: Named(\"red\")");
+    let scene = scene.replace(", color: \"#ff0000\"", "");
+    folder.write(
+        "a.ron",
+        scene.replace("image:", "materials: {\"red\": Mirror()}, image:"),
+    );
+    folder.write("t.csv", "materials,image.width\n{},8\n{},9\n{},10\n");
+    let args = [
+        "validate",
+        "a.ron",
+        "--params",
+        "t.csv",
+        "--output-format",
+        "short",
+    ];
+    let (_, all) = messages(&folder, &args);
+    assert_eq!(all.matches("unknown-name").count(), 1, "{all}");
+}
+
+#[test]
+fn no_more_faults_of_a_table_are_listed_than_wanted() {
+    let folder = Folder::with_scenes();
+    folder.write("t.csv", "camera.fov\n".to_owned() + &"200\n".repeat(300));
+    for (most, listed) in [(None, 100), (Some("7"), 7)] {
+        let mut args = vec![
+            "validate",
+            "scene.ron",
+            "--params",
+            "t.csv",
+            "--output-format",
+            "short",
+        ];
+        args.extend(most.iter().flat_map(|most| ["--max-diagnostics", most]));
+        let (_, all) = messages(&folder, &args);
+        assert_eq!(all.matches("error[out-of-range]").count(), listed, "{all}");
+        let more = format!("t.csv: … and {} more errors in this file", 300 - listed);
+        assert!(all.contains(&more), "{all}");
+        assert!(all.contains("300 errors"), "{all}");
+    }
+}
+
+#[test]
+fn an_empty_cell_of_a_name_is_called_empty() {
+    let folder = Folder::with_scenes();
+    folder.write("t.csv", "id,camera.fov\na,60\n,70\n");
+    let args = ["render", "scene.ron", "--params", "t.csv", "-o", "{id}.png"];
+    let (done, all) = messages(&folder, &args);
+    assert_eq!(done.status, Some(2));
+    assert!(
+        all.contains("t.csv:3: column id: the cell is empty"),
+        "{all}"
+    );
 }

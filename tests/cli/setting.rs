@@ -435,3 +435,56 @@ fn a_fault_in_the_file_can_be_corrected() {
 fn an_unknown_path_matches_its_page() {
     the_page_shows_what_is_printed(Code::UnknownPath);
 }
+
+#[test]
+fn a_text_needs_no_quotes() {
+    let folder = Folder::new();
+    let scene = "(image: (width: 8, height: 8), camera: Fit(), geometries: [\
+                 Spheres(file: \"a.csv\", radius: 1, color: \"#f00\", name: \"x\")])";
+    folder.write("a.ron", scene);
+    run(&mut folder.strahl(["convert", "a.ron", "a.json"]));
+    folder.write("a.csv", "x,y,z\n0,0,0\n");
+    folder.write("my file.2.csv", "x,y,z\n0,0,0\n1,1,1\n");
+    for scene in ["a.ron", "a.json"] {
+        let quoted = [
+            "geometries[0].file=\"my file.2.csv\"",
+            "geometries[0].name=\"5\"",
+        ];
+        let bare = [
+            "geometries[0].file = my file.2.csv ",
+            "geometries[0].name=5",
+        ];
+        assert!(picture(&folder, scene, &quoted) == picture(&folder, scene, &bare));
+        folder.write(
+            "t.csv",
+            "id,geometries[0].file\none,a.csv\ntwo,my file.2.csv\n",
+        );
+        let args = ["render", scene, "--params", "t.csv", "-o", "{id}.ppm"];
+        assert_eq!(run(&mut folder.strahl(args)).status, Some(0));
+        let two = fs::read(folder.path("two.ppm")).unwrap();
+        assert!(two == picture(&folder, scene, &quoted));
+        for (setting, expected) in [
+            // The place of a fault is the word.
+            (
+                "geometries[0].file= b.csv",
+                "--set geometries[0].file:1:21: `b.csv`: no such file",
+            ),
+            ("camera.margin=b.csv", "expected a number"),
+            ("geometries[0].radius=one", "expected a number"),
+        ] {
+            let args = [
+                "validate",
+                scene,
+                "--output-format",
+                "short",
+                "--set",
+                setting,
+            ];
+            let done = run(&mut folder.strahl(args));
+            let all = String::from_utf8(done.stdout).unwrap();
+            assert_eq!(done.status, Some(1), "{all}");
+            assert!(all.contains(expected), "{scene} {setting}: {all}");
+            assert!(!all.contains("r#"), "{all}");
+        }
+    }
+}

@@ -104,18 +104,14 @@ impl<'a> Results<'a> {
         };
         let printed = super::super::print(&text);
         let mut rows = self.rows.iter();
-        let failure = if summary.counts.get(&Kind::Unreadable) > Some(&0) {
-            Some(Failure::Reported)
+        let result = if summary.counts.get(&Kind::Unreadable) > Some(&0) {
+            Err(Failure::Reported)
         } else if rows.any(Row::fails) {
-            Some(Failure::Found)
+            Err(Failure::Found)
         } else {
-            None
+            Ok(())
         };
-        match (printed, failure) {
-            // Someone who has seen enough of the report may still want the result.
-            (Ok(()) | Err(Failure::Closed), Some(failure)) => Err(failure),
-            (printed, _) => printed,
-        }
+        Failure::worst(printed, result)
     }
 
     fn to_text(&self, summary: &Summary) -> String {

@@ -51,7 +51,19 @@ pub(super) fn one(
             },
             message: label.message.clone(),
         });
-    let related: Vec<_> = related.collect();
+    // Its own file has no diagnostics: the client may not even show it as a text.
+    let in_file = fault.in_file.iter().filter_map(|place| {
+        let uri = super::uri::of_path(&std::path::absolute(&place.file).ok()?)?;
+        let places = Places::after(place.line - 1, &place.text, client.columns);
+        Some(DiagnosticRelatedInformation {
+            location: Location {
+                uri,
+                range: places.range(&place.range),
+            },
+            message: place.message.clone(),
+        })
+    });
+    let related: Vec<_> = related.chain(in_file).collect();
     let is_unused = matches!(fault.code, Code::NoEffect | Code::UnusedDefault);
     let message = match &fault.help {
         Some(help) => format!("{}\n{help}", fault.message),

@@ -174,6 +174,12 @@ impl<'a> Places<'a> {
         Self { lines, columns }
     }
 
+    /// Creates the places of a text that follows `before` lines.
+    pub(super) fn after(before: usize, text: &'a str, columns: Columns) -> Self {
+        let lines = Lines::after(before, text);
+        Self { lines, columns }
+    }
+
     pub(super) fn position(&self, offset: usize) -> Position {
         let place = self.lines.position_in(offset, self.columns);
         let [line, character] =

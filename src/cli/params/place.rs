@@ -1,11 +1,11 @@
 //! Places in a table of values, and the faults there.
 
-use std::{ops::Range, path::Path};
+use std::{collections::HashSet, ops::Range, path::Path};
 
 use strahl::{
     Diagnostic, Document,
     diagnostic::{Code, Severity},
-    report::FileReport,
+    report::{FileReport, Suppressed},
     scene::{FieldLookup, Setting},
 };
 
@@ -51,8 +51,57 @@ impl Line {
     }
 }
 
+/// The faults of rows that have been told: each once at its place, and at most some of them.
+pub(crate) struct Told {
+    table: String,
+    known: HashSet<String>,
+    most: usize,
+    /// The numbers of those that were too many.
+    more: Suppressed,
+}
+
+impl Told {
+    pub(crate) fn new(params: &Params, most: usize) -> Self {
+        Self {
+            table: params.path.display().to_string(),
+            known: HashSet::new(),
+            most,
+            more: Suppressed::default(),
+        }
+    }
+
+    /// Returns true for a fault that is to be told: the first of several at one place. Counts
+    /// those that are too many.
+    pub(crate) fn is_new(&mut self, file: &str, line: usize, fault: &Diagnostic) -> bool {
+        let (start, message) = (fault.range.start, &fault.message);
+        let key = format!("{file}:{line}:{start}: {message}");
+        if self.known.contains(&key) {
+            return false;
+        }
+        let is_new = self.known.len() < self.most;
+        if is_new {
+            self.known.insert(key);
+        } else {
+            match fault.severity {
+                Severity::Error => self.more.errors += 1,
+                Severity::Warning => self.more.warnings += 1,
+            }
+        }
+        is_new
+    }
+
+    /// Returns the report of the faults that were not told.
+    pub(crate) fn rest(&self) -> Option<FileReport<'_>> {
+        (!self.more.is_empty()).then(|| FileReport {
+            file: &self.table,
+            suppressed: self.more,
+            ..FileReport::default()
+        })
+    }
+}
+
 /// The faults in a line of a table.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct TableFaults {
     file: String,
     text: String,
@@ -81,6 +130,13 @@ impl TableFaults {
             line: line.number,
             diagnostics: vec![Diagnostic::new(Code::InvalidTable, range, what)],
         }))
+    }
+
+    /// Removes the faults that have been told.
+    pub(crate) fn keep_new(&mut self, told: &mut Told) {
+        let Self { file, line, .. } = self;
+        self.diagnostics
+            .retain(|fault| told.is_new(file, *line, fault));
     }
 
     /// Returns the messages on one line.
@@ -117,6 +173,7 @@ impl Params {
         let mut columns = Columns {
             are_paths: Vec::new(),
             unused: Vec::new(),
+            for_all: Vec::new(),
         };
         for (index, column) in self.columns.iter().enumerate() {
             let has_place = names.is_some_and(|names| names.contains(&&**column));
@@ -131,7 +188,16 @@ impl Params {
                 FieldLookup::Inside(path) => (false, Some(path)),
                 _ => (false, None),
             };
-            columns.are_paths.push(is_path);
+            let fault = match is_path {
+                true => self.path_fault(index, document),
+                false => None,
+            };
+            columns.are_paths.push(is_path && fault.is_none());
+            if let Some(fault) = fault {
+                let (line, range) = self.head(index, column);
+                columns.add(self.faults_of(line, vec![of_column(column, &range, &fault)]));
+                continue;
+            }
             // Without a pattern, any word may be meant as a name.
             let may_be_name = match names {
                 Some(_) => has_place,
@@ -150,6 +216,20 @@ impl Params {
             }
         }
         columns
+    }
+
+    /// Returns the fault of a path that leads nowhere, whatever the row: unless another column
+    /// replaces what it leads through.
+    fn path_fault(&self, index: usize, document: &Document) -> Option<Diagnostic> {
+        let column = self.columns.get(index)?;
+        let leads_through = |other: &String| {
+            let rest = column.strip_prefix(&**other);
+            rest.is_some_and(|rest| rest.starts_with(['.', '[']))
+        };
+        if self.columns.iter().any(leads_through) {
+            return None;
+        }
+        document.path_fault(&self.first(index)?)
     }
 
     /// Returns the place of a column name: in the header, or in the first row that has the column.
@@ -178,12 +258,8 @@ impl Params {
         let line = self.rows.get(row).map_or(&self.header, |row| &row.line);
         let column = setting.path();
         let range = self.place(line, index.unwrap_or_default(), column);
-        let faults = faults.iter().map(|fault| Diagnostic {
-            range: range.clone(),
-            message: format!("column `{column}`: {}", fault.message),
-            labels: Vec::new(),
-            ..fault.clone()
-        });
+        let faults = faults.iter();
+        let faults = faults.map(|fault| of_column(column, &range, fault));
         self.faults_of(line, faults.collect())
     }
 
@@ -235,6 +311,16 @@ impl Columns {
             }
             _ => self.unused.push(unused),
         }
+    }
+}
+
+/// Returns the fault of a setting at its place in the table.
+fn of_column(column: &str, range: &Range<usize>, fault: &Diagnostic) -> Diagnostic {
+    Diagnostic {
+        range: range.clone(),
+        message: format!("column `{column}`: {}", fault.message),
+        labels: Vec::new(),
+        ..fault.clone()
     }
 }
 

@@ -1,10 +1,10 @@
 //! Drawing one of many pictures.
 
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
     sync::{
-        Arc,
+        Arc, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
 };
@@ -15,12 +15,14 @@ use super::{
     items::Item,
     many::{Run, STEPS},
     movie::Movie,
+    series::Series,
+    shared::{self, Shared},
     source::{Base, Content, RowFaults, Source, with_row},
     summary::Outcome,
 };
 use crate::cli::{
     Failure, cameras,
-    paths::is_same,
+    paths::{is_dash, is_same},
     record::{Done, Line, Written},
     report,
 };
@@ -32,15 +34,19 @@ const LARGE: u64 = 1 << 22;
 pub(super) struct Made<'a> {
     pub(super) item: &'a Item,
     pub(super) base: Option<Arc<Base>>,
-    pub(super) faults: Option<RowFaults>,
+    pub(super) faults: Vec<RowFaults>,
     pub(super) outcome: Result<Outcome, Failure>,
 }
 
 /// The view of one camera, and the name of its picture.
-struct View {
+struct View<'b> {
     scene: Scene,
     file: String,
     camera: Option<String>,
+    /// The frames, if they are the rows of a table.
+    series: Option<Series<'b>>,
+    /// The other rows that it is seen together with.
+    seen_with: Option<&'b Shared>,
 }
 
 impl Run<'_> {
@@ -51,7 +57,7 @@ impl Run<'_> {
         let mut made = Made {
             item,
             base: None,
-            faults: None,
+            faults: Vec::new(),
             outcome: Ok(Outcome::Later),
         };
         if let Some(base) = self.base(source, item, threads) {
@@ -72,7 +78,7 @@ impl Run<'_> {
             let base = Base::of(file, read, self.list);
             match &base.content {
                 Content::Scene(scene) => self.timings.include(scene.timings()),
-                Content::Document(document, _) => self.timings.include(document.timings()),
+                Content::Document(document, ..) => self.timings.include(document.timings()),
                 _ => {}
             }
             base
@@ -88,27 +94,49 @@ impl Run<'_> {
         base: &Base,
         item: &Item,
         threads: usize,
-        faults: &mut Option<RowFaults>,
+        faults: &mut Vec<RowFaults>,
     ) -> Result<Outcome, Failure> {
+        let (mut series, mut seen_with) = (None, None);
         let shown = match &base.content {
             Content::Nothing => return Ok(Outcome::Skipped),
             Content::Refused(failure) => return Ok(Outcome::of_failure(failure)),
             Content::Scene(scene) => self.at_frame(scene, item)?,
-            Content::Document(document, columns) => {
-                let (scene, found) = with_row(self.list, item, document, columns);
+            // The rows are read by all threads.
+            Content::Document(..) if self.list.is_series && !self.is_all(threads) => {
+                return Ok(Outcome::Later);
+            }
+            Content::Document(document, columns, shared) => {
+                seen_with = shared.as_ref();
+                let (scene, found) = match item.row {
+                    Some(row) => {
+                        let (scene, faults) = with_row(self.list, row, document, columns);
+                        (scene, faults.into_iter().collect())
+                    }
+                    None => {
+                        let rows = Series::checked(self.list, document, columns, threads);
+                        let ranges_differ = rows.ranges_differ;
+                        self.ranges_differ
+                            .fetch_or(ranges_differ, Ordering::Relaxed);
+                        series = rows.series;
+                        (rows.first, rows.faults)
+                    }
+                };
                 *faults = found;
                 let scene = scene?;
+                self.note_ranges(item, &scene);
                 self.timings.include(scene.timings());
                 self.at_frame(&scene, item)?
             }
         };
         let samples = u64::from(self.args.draw.picture.samples(shown.samples()).count());
-        let pixels = self.pixels(&shown, self.movie(&shown)?.as_ref());
-        let is_large = pixels.saturating_mul(samples) >= LARGE;
-        if is_large && !self.is_all(threads) {
-            return Ok(Outcome::Later);
+        if !self.is_all(threads) {
+            let movie = self.movie(&shown, None, series, seen_with)?;
+            let pixels = self.pixels(&shown, movie.as_ref());
+            if pixels.saturating_mul(samples) >= LARGE {
+                return Ok(Outcome::Later);
+            }
         }
-        self.draw(shown, base, item, threads)
+        self.draw(shown, (series, seen_with), base, item, threads)
     }
 
     fn at_frame(&self, scene: &Scene, item: &Item) -> Result<Scene, Failure> {
@@ -122,15 +150,18 @@ impl Run<'_> {
     fn draw(
         &self,
         shown: Scene,
+        (series, seen_with): (Option<Series>, Option<&Shared>),
         base: &Base,
         item: &Item,
         threads: usize,
     ) -> Result<Outcome, Failure> {
         let name = self.list.name(item)?;
-        let views = self.views(shown, item, &name)?;
+        let views = self.views(shown, (series, seen_with), item, &name)?;
         let targets = views.iter().map(|view| self.list.folder.join(&view.file));
         self.check_targets(&targets.collect::<Vec<_>>(), base)?;
-        let hashes = views.iter().map(|view| self.hash(view));
+        let is_recorded = self.records.is_some() || self.list.summary.is_some();
+        let hashes = views.iter().filter(|_| is_recorded);
+        let hashes = hashes.map(|view| self.hash(view));
         let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
         let files = views.iter().map(|view| self.files(view));
         let files = files.collect::<Result<Vec<_>, _>>()?.concat();
@@ -146,7 +177,7 @@ impl Run<'_> {
             hash,
             files: Vec::new(),
         };
-        if self.records.is_some() || self.list.summary.is_some() {
+        if is_recorded {
             done.files = self.written(&files)?;
         }
         if let Some((_, recorder)) = &self.records {
@@ -155,11 +186,65 @@ impl Run<'_> {
         Ok(Outcome::Drawn(done))
     }
 
-    /// Returns the movie of a scene, if each file is a movie.
-    fn movie<'s>(&self, scene: &'s Scene) -> Result<Option<Movie<'s>>, Failure> {
+    /// Returns the movie of a scene, or of the rows of a table, if each file is a movie.
+    fn movie<'s>(
+        &'s self,
+        scene: &'s Scene,
+        camera: Option<&'s str>,
+        series: Option<Series<'s>>,
+        seen_with: Option<&'s Shared>,
+    ) -> Result<Option<Movie<'s>>, Failure> {
         let (frames, picture) = (self.args.frames(), &self.args.draw.picture);
-        let movie = |format| Movie::of(frames, picture, format, scene);
+        let movie = |format| match series {
+            Some(series) => {
+                let fps = self.args.fps.unwrap_or(Series::FPS);
+                let frame = move |row| {
+                    let mut scene = series.scene(row as usize)?;
+                    if let Some(name) = camera {
+                        scene = cameras::see_by(scene, name)?;
+                    }
+                    self.seen(scene, seen_with)
+                };
+                let numbers = (0..series.len() as u32).collect();
+                Ok(Movie::new(
+                    format,
+                    numbers,
+                    fps,
+                    scene.size(),
+                    picture,
+                    frame,
+                ))
+            }
+            None => Movie::of(frames, picture, format, scene),
+        };
         self.movie.map(movie).transpose()
+    }
+
+    fn movie_of<'s>(&'s self, view: &'s View) -> Result<Option<Movie<'s>>, Failure> {
+        self.movie(
+            &view.scene,
+            view.camera.as_deref(),
+            view.series,
+            view.seen_with,
+        )
+    }
+
+    /// Returns the scene of a row as it is seen together with the others.
+    fn seen(&self, scene: Scene, with: Option<&Shared>) -> Result<Scene, Failure> {
+        let size = self.args.draw.picture.whole(scene.size());
+        match with {
+            Some(shared) => shared.seen(scene, size),
+            None => Ok(scene),
+        }
+    }
+
+    /// Notes if the colors of a row have other ranges than those of the first one.
+    fn note_ranges(&self, item: &Item, scene: &Scene) {
+        let found = shared::used_ranges(scene);
+        let mut ranges = self.ranges.lock().unwrap_or_else(PoisonError::into_inner);
+        let first = ranges.entry(item.scene).or_insert_with(|| found.clone());
+        let differ = *first != found;
+        self.ranges_differ.fetch_or(differ, Ordering::Relaxed);
     }
 
     /// Returns the number of pixels in the file of a scene.
@@ -170,7 +255,7 @@ impl Run<'_> {
 
     /// Returns a hash of everything that a camera's file depends on.
     fn hash(&self, view: &View) -> Result<String, Failure> {
-        match self.movie(&view.scene)? {
+        match self.movie_of(view)? {
             Some(movie) => movie.hash(&self.render),
             None => Ok(view.scene.hash(&view.file, &self.render)?),
         }
@@ -179,6 +264,9 @@ impl Run<'_> {
     /// Returns the files of a camera, relative to the folder of the pictures.
     fn files(&self, view: &View) -> Result<Vec<PathBuf>, Failure> {
         let path = PathBuf::from(&view.file);
+        if is_dash(&path) {
+            return Ok(Vec::new());
+        }
         if self.movie.is_some() {
             return Ok(vec![path]);
         }
@@ -187,7 +275,13 @@ impl Run<'_> {
     }
 
     /// Returns the views of all cameras that draw a picture of this name.
-    fn views(&self, mut scene: Scene, item: &Item, name: &str) -> Result<Vec<View>, Failure> {
+    fn views<'b>(
+        &self,
+        mut scene: Scene,
+        (series, seen_with): (Option<Series<'b>>, Option<&'b Shared>),
+        item: &Item,
+        name: &str,
+    ) -> Result<Vec<View<'b>>, Failure> {
         let mut views = Vec::new();
         let cameras = match item.camera.as_deref() {
             Some(camera) => vec![Some(camera.to_owned())],
@@ -198,9 +292,11 @@ impl Run<'_> {
                 scene = cameras::see_by(scene, name)?;
             }
             views.push(View {
-                scene: scene.clone(),
+                scene: self.seen(scene.clone(), seen_with)?,
                 file: cameras::name_of(name, camera.as_deref()),
                 camera,
+                series,
+                seen_with,
             });
         }
         Ok(views)
@@ -233,8 +329,9 @@ impl Run<'_> {
             scene,
             file,
             camera,
+            ..
         } = view;
-        let movie = self.movie(scene)?;
+        let movie = self.movie_of(view)?;
         let pixels = self.pixels(scene, movie.as_ref());
         let sink = self.progress.sink();
         // Counts in small steps that add up exactly.
@@ -248,6 +345,7 @@ impl Run<'_> {
         let watched = options.clone().on_progress(step);
         let path = self.list.folder.join(file);
         match &movie {
+            Some(movie) if is_dash(&path) => movie.write(io::stdout().lock(), &watched)?,
             Some(movie) => movie.save(&path, &watched, self.cancel)?,
             None => scene.save_with(path, &watched)?,
         }

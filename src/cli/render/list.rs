@@ -44,6 +44,10 @@ pub(super) struct List {
     /// The destinations of the reports on the pictures, one for each.
     reports: Option<Pattern>,
     pub(super) shard: Shard,
+    /// True if each scene becomes one movie, with a frame for each row of the table.
+    pub(super) is_series: bool,
+    /// True if all rows are framed together and share the ranges of their colors.
+    pub(super) shares: bool,
 }
 
 impl List {
@@ -58,7 +62,8 @@ impl List {
         // A movie is a single file of all frames.
         let is_movie = args.movie().is_some();
         let frames = args.frames().filter(|_| !is_movie);
-        let target = target(args, &scenes)?;
+        let may_be_series = is_movie && params.is_some() && scenes.len() == 1;
+        let target = target(args, &scenes, may_be_series)?;
         let is_folder = target.as_os_str().is_empty() || is_folder(&target);
         let parts = [
             ("{scene}", true),
@@ -85,7 +90,12 @@ impl List {
         if matches!(frames, Some(Frames::All)) {
             check_columns(params.as_ref())?;
         }
-        let rows = params.as_ref().map(Params::len);
+        let names_row = |name: &str| {
+            let mut columns = params.iter().flat_map(Params::columns);
+            name == "id" || columns.any(|column| column == name)
+        };
+        let is_series = is_movie && params.is_some() && !pattern.places().any(names_row);
+        let rows = params.as_ref().filter(|_| !is_series).map(Params::len);
         let (items, read) = items(args, &scenes, &configs, rows, frames);
         let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
         let list = Self {
@@ -102,8 +112,15 @@ impl List {
             summary: args.report.clone().filter(|_| reports.is_none()),
             reports,
             shard: args.shard.unwrap_or(Shard::WHOLE),
+            is_series,
+            shares: args.fit_all,
         };
         list.check(args)?;
+        if args.fps.is_some() && !list.is_series {
+            let message = "--fps is for a movie with a frame per row of --params; for an animation, set \
+                           animation.fps";
+            return Err(Failure::usage(message));
+        }
         Ok(list)
     }
 
@@ -285,9 +302,9 @@ impl List {
 }
 
 /// Returns the folder of the pictures or the pattern of their names; empty for a single scene.
-fn target(args: &Args, scenes: &[SceneFile]) -> Result<PathBuf, Failure> {
+fn target(args: &Args, scenes: &[SceneFile], is_series: bool) -> Result<PathBuf, Failure> {
     match &args.output {
-        Some(output) if paths::is_dash(output) => Err(Failure::usage(
+        Some(output) if paths::is_dash(output) && !is_series => Err(Failure::usage(
             "several pictures cannot go to standard output; the frames of one scene can, as \
              --image-format y4m",
         )),

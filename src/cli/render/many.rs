@@ -1,11 +1,11 @@
 //! Drawing many pictures in one run.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeSet, HashMap},
     path::Path,
     sync::{
         Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU64},
     },
     time::Instant,
 };
@@ -22,11 +22,13 @@ use super::{
     draw::{Made, make_folder},
     items::Item,
     list::List,
+    shared::Range,
     source::{Content, Source},
     summary::{Outcome, Summary},
 };
 use crate::cli::{
     Failure,
+    params::Told,
     progress::Progress,
     record::{self, Failed, Line, Recorder, Records},
     report, scene,
@@ -55,8 +57,12 @@ pub(super) struct Run<'a> {
     pub(super) geometries: AtomicU64,
     /// The parts whose diagnostics have been printed.
     printed_parts: Mutex<BTreeSet<String>>,
-    /// True once the unused columns of the table have been reported.
-    has_reported_columns: AtomicBool,
+    /// The faults of the table that have been printed.
+    told: Option<Mutex<Told>>,
+    /// The ranges of the colors in the first row of each scene.
+    pub(super) ranges: Mutex<HashMap<usize, Vec<Range>>>,
+    /// True once a row has others.
+    pub(super) ranges_differ: AtomicBool,
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
@@ -87,24 +93,40 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         rays: AtomicU64::new(0),
         geometries: AtomicU64::new(0),
         printed_parts: Mutex::default(),
-        has_reported_columns: AtomicBool::new(false),
+        ranges: Mutex::default(),
+        ranges_differ: AtomicBool::new(false),
+        told: list
+            .params
+            .as_ref()
+            .map(|params| Told::new(params, scene::MOST).into()),
     };
     let mut summary = Summary::new(list.summary.is_some());
     let made = |item| run.make(item, 1);
     let take = |made| run.take(made, &mut summary);
     let ended = in_order(items, args.draw.threads(), AT_ONCE, made, take);
+    run.tell(|told| {
+        if let Some(rest) = told.rest() {
+            scene::print_report(&rest, args.draw.quiet);
+        }
+    });
+    if run.ranges_differ.into_inner() && !args.draw.quiet {
+        scene::print_warning(
+            "the colors of the rows have different ranges, each that of its own values: add --fit-all \
+             for one range, or give it by `color_by: (range: …)`",
+        );
+    }
     drop(run.records);
     let (timings, rays) = (run.timings, run.rays.into_inner());
     let geometries = run.geometries.into_inner() as usize;
     drop(progress);
-    if let Some(path) = &list.summary {
-        report::write_text(path, &summary.json(&list)?, cancel)?;
-    }
+    let reported = list.summary.as_ref().map_or(Ok(()), |path| {
+        report::write_text(path, &summary.json(&list)?, cancel)
+    });
     if !args.draw.quiet && (list.items.len() > 1 || args.resume) {
         summary.print(start.elapsed());
     }
     args.draw.print_timings(start, &timings, rays, geometries);
-    Failure::worst(ended, summary.failure())
+    Failure::worst(reported, Failure::worst(ended, summary.failure()))
 }
 
 /// Returns the records of the folder, and a new one.
@@ -131,11 +153,11 @@ impl Run<'_> {
     /// Reports a picture that has been made, or makes it with all threads.
     fn take<'i>(&self, made: Made<'i>, summary: &mut Summary<'i>) -> Result<(), Failure> {
         let item = made.item;
-        let made = match made.outcome {
+        let mut made = match made.outcome {
             Ok(Outcome::Later) => self.make(item, self.args.draw.threads()),
             _ => made,
         };
-        self.print_faults(&made);
+        self.print_faults(&mut made);
         let outcome = match made.outcome {
             Ok(outcome) => outcome,
             Err(Failure::Library(error)) if stops(error.kind()) => {
@@ -171,7 +193,7 @@ impl Run<'_> {
     }
 
     /// Prints the diagnostics of a picture, and once those of its scene.
-    fn print_faults(&self, made: &Made) {
+    fn print_faults(&self, made: &mut Made) {
         let quiet = self.args.draw.quiet;
         let is_first = self.list.of_scene(made.item.scene).next() == Some(made.item);
         if let Some(base) = made.base.as_deref().filter(|_| is_first) {
@@ -179,10 +201,9 @@ impl Run<'_> {
                 if let Some(findings) = &base.findings {
                     scene::print_findings_with(findings, quiet, |part| self.is_new(part));
                 }
-                if let Content::Document(_, columns) = &base.content
-                    && !self.has_reported_columns.swap(true, Ordering::Relaxed)
-                {
-                    for unused in &columns.unused {
+                if let Content::Document(_, columns, _) = &base.content {
+                    for mut unused in columns.unused.clone() {
+                        self.tell(|told| unused.keep_new(told));
                         scene::print_report(&unused.report(), quiet);
                     }
                 }
@@ -197,13 +218,23 @@ impl Run<'_> {
                 }
             });
         }
-        if let Some(faults) = &made.faults {
-            self.progress.beside(|| faults.print(quiet));
+        for faults in &mut made.faults {
+            self.tell(|told| faults.keep_new(told));
+            let all = || {
+                faults
+                    .all()
+                    .for_each(|part| scene::print_report(&part, quiet))
+            };
+            self.progress.beside(all);
         }
     }
-}
 
-impl Run<'_> {
+    /// Calls a function with the faults of the table that have been printed.
+    fn tell(&self, tell: impl FnOnce(&mut Told)) {
+        if let Some(told) = &self.told {
+            tell(&mut told.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+    }
     /// Returns true for a part that no scene before has named.
     fn is_new(&self, part: &PartFindings) -> bool {
         let printed = self.printed_parts.lock();

@@ -8,6 +8,8 @@ mod many;
 mod movie;
 pub(crate) mod one;
 pub(crate) mod pattern;
+mod series;
+mod shared;
 pub(crate) mod source;
 mod summary;
 
@@ -58,13 +60,20 @@ pub(crate) struct Args {
     #[command(flatten, next_help_heading = "Scene")]
     cameras: CamerasArgs,
     /// Render one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
-    /// name for a placeholder in FILE
+    /// name for a placeholder in FILE. A movie without such a placeholder has one frame per row
     #[arg(help_heading = "Scene", long, value_name = "TABLE")]
     params: Option<PathBuf>,
     /// Render these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`; default:
     /// all for a movie and for a FILE with {frame}, otherwise frame 0
     #[arg(help_heading = "Scene", long, value_name = "LIST")]
     frames: Option<Frames>,
+    /// Frame all rows of the table together, and color their values by one range: a `Fit` camera
+    /// does not move from row to row
+    #[arg(help_heading = "Scene", long, requires = "params")]
+    fit_all: bool,
+    /// Frames per second of a movie with a frame per row of a table; default: 24
+    #[arg(help_heading = "Scene", long, value_name = "N", value_parser = fps)]
+    fps: Option<f64>,
     /// The picture; the file extension selects the format, and `-` is standard output. Default: the
     /// scene's name with .png, in the current folder. For several pictures: a folder with `/` at
     /// its end, or a pattern with {scene}, {camera}, {frame:04}, {id} or a column of the table
@@ -252,6 +261,7 @@ impl Args {
     fn is_many(&self) -> bool {
         self.paths.single().is_none()
             || self.params.is_some()
+            || self.fps.is_some()
             || (self.frames().is_some() && self.movie().is_none())
             || self.cameras.is_all()
             || (self.resume && self.shard.is_none())
@@ -328,6 +338,13 @@ fn drawing(format: Drawing) -> PossibleValue {
         Drawing::Image(format) => name.aliases(format.endings()),
         Drawing::Movie(_) => name,
     }
+}
+
+/// Returns a number of frames per second.
+fn fps(text: &str) -> Result<f64, &'static str> {
+    let fps = text.parse().ok();
+    fps.filter(|fps: &f64| *fps > 0.0 && fps.is_finite())
+        .ok_or("expected a finite number above 0, such as 12")
 }
 
 /// Returns true if a target is a folder, and not a picture with a folder in its place.

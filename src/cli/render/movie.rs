@@ -1,10 +1,10 @@
-//! Movies: many frames of a scene in one file.
+//! Movies: many frames in one file.
 
 use std::{io::StdoutLock, path::Path};
 
 use sha2::{Digest, Sha256};
 use strahl::{
-    Image, RenderOptions, Scene,
+    Image, RenderOptions, Scene, Size,
     image_file::{FrameSink, MovieFormat, Reel},
     parallel::{Cancel, in_order},
 };
@@ -23,12 +23,14 @@ pub(super) fn format(output: Option<&Path>, format: Option<Drawing>) -> Option<M
     }
 }
 
-/// The frames of a scene that form one file.
+/// Frames that form one file: those of a scene, or one for each row of a table.
 pub(super) struct Movie<'s> {
-    scene: &'s Scene,
     format: MovieFormat,
     numbers: Vec<u32>,
     reel: Reel,
+    /// The size of the whole picture, of which a frame may be a part.
+    size: Size,
+    frame: Box<dyn Fn(u32) -> Result<Scene, Failure> + Sync + 's>,
 }
 
 impl<'s> Movie<'s> {
@@ -51,22 +53,42 @@ impl<'s> Movie<'s> {
         {
             scene.frame(*last)?;
         }
-        let reel = Reel {
-            size: picture.size(scene.size()),
-            fps: animation.fps(),
-            frames: numbers.len() as u32,
-        };
-        Ok(Self {
-            scene,
+        let frame = |number| Ok(scene.frame(number)?);
+        Ok(Self::new(
             format,
             numbers,
-            reel,
-        })
+            animation.fps(),
+            scene.size(),
+            picture,
+            frame,
+        ))
+    }
+
+    /// Creates a movie of frames with these numbers, which have the same size.
+    pub(super) fn new(
+        format: MovieFormat,
+        numbers: Vec<u32>,
+        fps: f64,
+        size: Size,
+        picture: &PictureArgs,
+        frame: impl Fn(u32) -> Result<Scene, Failure> + Sync + 's,
+    ) -> Self {
+        Self {
+            format,
+            reel: Reel {
+                size: picture.size(size),
+                fps,
+                frames: numbers.len() as u32,
+            },
+            numbers,
+            size,
+            frame: Box::new(frame),
+        }
     }
 
     /// Returns the number of pixels of all frames.
     pub(super) fn pixels(&self, picture: &PictureArgs) -> u64 {
-        picture.pixels(self.scene.size()) * self.numbers.len() as u64
+        picture.pixels(self.size) * self.numbers.len() as u64
     }
 
     /// Returns a hash of everything that the file depends on.
@@ -74,7 +96,7 @@ impl<'s> Movie<'s> {
         let mut sum = Sha256::new();
         sum.update(format!("{} {:?}", self.format.name(), self.reel.fps));
         for number in &self.numbers {
-            let frame = self.scene.frame(*number)?;
+            let frame = (self.frame)(*number)?;
             sum.update(frame.hash("frame.png", options)?);
         }
         Ok(format!("{:x}", sum.finalize()))
@@ -109,8 +131,8 @@ impl<'s> Movie<'s> {
     fn draw(&self, options: &RenderOptions, sink: FrameSink) -> Result<(), Failure> {
         let threads = options.thread_count();
         let options = options.clone().threads(1);
-        let draw = |number: &u32| self.scene.frame(*number)?.render_with(&options);
-        let take = |image: Result<Image, strahl::Error>| Ok(sink(&image?)?);
+        let draw = |number: &u32| Ok((self.frame)(*number)?.render_with(&options)?);
+        let take = |image: Result<Image, Failure>| Ok(sink(&image?)?);
         in_order(&self.numbers, threads, AHEAD * threads, draw, take)
     }
 }

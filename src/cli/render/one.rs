@@ -207,12 +207,13 @@ impl Job<'_> {
                 .write_with(io::stdout().lock(), format, &options)
                 .map_err(|error| error.of_file(STDOUT))?,
         }
-        if let Some(path) = &self.plan.report {
+        let reported = self.plan.report.as_ref().map_or(Ok(()), |path| {
             let image = args.picture.image(scene.size(), order.camera);
-            report::write(path, scene, &image, &traced, self.cancel)?;
-        }
+            report::write(path, scene, &image, &traced, self.cancel)
+        });
         drop(progress);
         self.write_depfile(rule)?;
+        reported?;
         // With `--shard`, a band was written instead.
         files.retain(|file| order.shard.is_none() && !is_device(file));
         let extent = args.picture.size(scene.size()).to_string();

@@ -10,12 +10,12 @@ use std::{
     },
 };
 
-use strahl::{Document, Scene, jobs::SceneFile, report::FileReport};
+use strahl::{Diagnostic, Document, Scene, jobs::SceneFile, report::FileReport};
 
-use super::{items::Item, list::List};
+use super::{list::List, shared::Shared};
 use crate::cli::{
     Failure,
-    params::{Columns, Params, TableFaults},
+    params::{Columns, Params, TableFaults, Told},
     scene, set,
 };
 
@@ -45,7 +45,7 @@ pub(super) enum Content {
     /// A scene that is the same for all of its pictures.
     Scene(Box<Scene>),
     /// A scene in which each row of a table sets values.
-    Document(Box<Document>, Columns),
+    Document(Box<Document>, Columns, Option<Shared>),
 }
 
 impl Source {
@@ -114,8 +114,14 @@ impl Base {
         } else if document.has_errors() {
             Content::Refused(Failure::Found)
         } else if let Some(params) = &list.params {
-            let columns = params.columns_of(&document, Some(&list.places()));
-            Content::Document(Box::new(document), columns)
+            let mut columns = params.columns_of(&document, Some(&list.places()));
+            let shared = list
+                .shares
+                .then(|| Shared::of(list, &document, &mut columns));
+            match shared.transpose() {
+                Ok(shared) => Content::Document(Box::new(document), columns, shared),
+                Err(failure) => Content::Refused(failure),
+            }
         } else {
             let scene = Scene::try_from(document);
             let last = list.last_frame().unwrap_or(0);
@@ -147,6 +153,8 @@ pub(crate) struct RowFaults {
     /// The faults in the table.
     cells: Vec<TableFaults>,
     /// The faults that result elsewhere in the scene.
+    elsewhere: Vec<Diagnostic>,
+    /// The scene, if there are any.
     document: Option<Document>,
 }
 
@@ -154,25 +162,30 @@ impl RowFaults {
     /// Returns the faults in the table, then those in the scene.
     pub(crate) fn all(&self) -> impl Iterator<Item = FileReport<'_>> {
         let cells = self.cells.iter().map(TableFaults::report);
-        cells.chain(self.document.iter().map(scene::findings))
+        let scene = self.document.iter().map(|document| FileReport {
+            diagnostics: &self.elsewhere,
+            ..scene::findings(document)
+        });
+        let all = cells.chain(scene);
+        all.filter(|report| !report.diagnostics.is_empty())
     }
 
-    /// Prints the faults on standard error.
-    pub(super) fn print(&self, quiet: bool) {
-        for part in self.all() {
-            scene::print_report(&part, quiet);
-        }
+    /// Removes the faults that have been told for another row.
+    pub(crate) fn keep_new(&mut self, told: &mut Told) {
+        self.cells.iter_mut().for_each(|cells| cells.keep_new(told));
+        let name = self.document.as_ref().map_or("", Document::name);
+        self.elsewhere.retain(|fault| told.is_new(name, 0, fault));
     }
 }
 
 /// Returns the scene with the values that a row of a table sets, if possible, and the faults.
 pub(super) fn with_row(
     list: &List,
-    item: &Item,
+    row: usize,
     document: &Document,
     columns: &Columns,
 ) -> (Result<Scene, Failure>, Option<RowFaults>) {
-    let (Some(params), Some(row)) = (&list.params, item.row) else {
+    let Some(params) = &list.params else {
         return (Err(Failure::Found), None);
     };
     if columns.has_errors() {
@@ -199,8 +212,13 @@ pub(crate) fn faults_of_row(set: &Document, params: &Params, row: usize) -> Opti
         .map(|(setting, faults)| params.faults(row, setting, faults))
         .collect();
     let is_about_scene = set.has_errors() && !set.diagnostics().is_empty();
-    (is_about_scene || !cells.is_empty()).then(|| RowFaults {
-        cells,
-        document: is_about_scene.then(|| set.findings()),
+    (is_about_scene || !cells.is_empty()).then(|| {
+        let document = is_about_scene.then(|| set.findings());
+        let elsewhere = document.as_ref().map_or(&[][..], Document::diagnostics);
+        RowFaults {
+            cells,
+            elsewhere: elsewhere.to_vec(),
+            document,
+        }
     })
 }

@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         known = Some(Known::watch(args, &rounds)?);
         scene::forget_printed();
         match super::check(args, Some(rounds.files())) {
-            Err(Failure::Closed) => return Err(Failure::Closed),
+            Err(closed @ Failure::Closed { .. }) => return Err(closed),
             // An edit does not mend a wrong command.
             Err(failure) if is_first && failure.status() == 2 => return Err(failure),
             Err(failure) => failure.print(),

@@ -325,6 +325,11 @@ impl Document {
         model.map_or(FieldLookup::Unknown, |model| set::look_up(model, word))
     }
 
+    /// Returns the fault of a setting whose path leads nowhere in this scene.
+    pub fn path_fault(&self, setting: &Setting) -> Option<Diagnostic> {
+        set::path_fault(self.checked.model.as_ref()?, setting, self.syntax())
+    }
+
     /// Returns the severity in this scene of a fault found elsewhere; `None` if it is not reported.
     pub fn severity(&self, code: Code) -> Option<Severity> {
         check::severity(code, self.checked.model.as_ref(), &self.options.levels)

@@ -1,6 +1,6 @@
 //! Applies settings to a model, and reports faults in values at their place in the setting.
 
-use std::{mem, ops::Range};
+use std::{mem, ops::Range, slice};
 
 use super::{
     Setting,
@@ -36,6 +36,8 @@ struct One<'s> {
     is_applied: bool,
     /// True if it removes a value.
     removes: bool,
+    /// The place of its text, if that has no quotes.
+    bare: Option<Range<usize>>,
     faults: Vec<Diagnostic>,
 }
 
@@ -44,14 +46,34 @@ impl<'s> Applied<'s> {
     pub(crate) fn to(model: &mut Model, settings: &'s [Setting], syntax: Syntax) -> Self {
         let settings = settings.iter().map(|setting| {
             let mut steps = setting.steps.clone();
-            let mut removes = false;
+            let (mut removes, mut bare) = (false, None);
             let syntax = setting.syntax.unwrap_or(syntax);
             let done = index_of_name(model, &mut steps)
                 .map_err(|fault| vec![fault])
                 .and_then(|()| {
-                    let value = Value::of(setting, syntax)?;
-                    removes = value.removes;
-                    apply(model, &steps, &value, syntax)
+                    let done = Value::of(setting, syntax).and_then(|value| {
+                        removes = value.removes;
+                        apply(model, &steps, &value, syntax)
+                    });
+                    let Some(text) = Value::bare(setting).filter(|_| done.is_err()) else {
+                        return done;
+                    };
+                    // The fault of a word that is not a value is its type.
+                    let is_word = !setting.value().contains(['(', '[', '{', '"']);
+                    let is_syntax = |fault: &Diagnostic| fault.code == Code::Syntax;
+                    let is_text = is_word
+                        && done
+                            .as_ref()
+                            .is_err_and(|faults| faults.iter().all(is_syntax));
+                    // Where a text is expected, a word is one.
+                    let as_text = apply(model, &steps, &text, syntax);
+                    match &as_text {
+                        Err(faults) if !is_text && faults.iter().any(is_no_text) => done,
+                        _ => {
+                            bare = Some(text.range);
+                            as_text
+                        }
+                    }
                 });
             One {
                 setting,
@@ -59,6 +81,7 @@ impl<'s> Applied<'s> {
                 steps: steps.into_iter().map(|part| part.step).collect(),
                 is_applied: done.is_ok(),
                 removes,
+                bare,
                 faults: done.err().unwrap_or_default(),
             }
         });
@@ -101,6 +124,16 @@ impl<'s> Applied<'s> {
     }
 }
 
+/// Returns the fault of a setting whose path leads nowhere in a model.
+pub(crate) fn path_fault(model: &Model, setting: &Setting, syntax: Syntax) -> Option<Diagnostic> {
+    let mut model = model.clone();
+    let applied = Applied::to(&mut model, slice::from_ref(setting), syntax);
+    let faults = applied.settings.into_iter().flat_map(|one| one.faults);
+    faults
+        .into_iter()
+        .find(|fault| fault.code == Code::UnknownPath)
+}
+
 fn apply(
     model: &mut Model,
     steps: &[Part],
@@ -128,6 +161,11 @@ fn apply(
         model.geometries = geometries;
     }
     done
+}
+
+/// Returns true if no text is expected in the place of a value, or the place does not exist.
+fn is_no_text(fault: &Diagnostic) -> bool {
+    matches!(fault.code, Code::WrongType | Code::UnknownPath)
 }
 
 impl One<'_> {
@@ -184,8 +222,8 @@ impl One<'_> {
             if is_whole && matches!(focus, Focus::Key | Focus::Bracket) {
                 return Some(0..self.setting.path().len());
             }
-            if let Some(color) = self.setting.bare_color() {
-                return Some(color);
+            if let Some(text) = &self.bare {
+                return Some(text.clone());
             }
             let range = locator.range(&rest, focus)?;
             let start = self.setting.value;

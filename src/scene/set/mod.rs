@@ -12,7 +12,7 @@ mod patch;
 
 use std::ops::Range;
 
-pub(crate) use apply::Applied;
+pub(crate) use apply::{Applied, path_fault};
 pub use lookup::FieldLookup;
 pub(crate) use lookup::look_up;
 pub use parse::SettingError;
@@ -24,7 +24,7 @@ use crate::{scene::path::Part, text::syntax::Syntax};
 /// It is written `PATH=VALUE`. The path is that of a diagnostic, such as `camera.fov`,
 /// `geometries[3].color` or `cameras["front"].eye[2]`; the key of a map may also follow a dot, and
 /// a geometry with a name is found by it: `geometries["ball"].radius`. The value is written as in
-/// the scene; `null` or `None` removes a field.
+/// the scene, but a text needs no quotes; `null` or `None` removes a field.
 ///
 /// # Examples
 ///
@@ -69,11 +69,13 @@ impl Setting {
         self.text[..self.value].trim_end_matches('=').trim()
     }
 
-    /// The place of a color without quotes, if the value is one.
-    fn bare_color(&self) -> Option<Range<usize>> {
-        let color = self.value().trim();
-        let start = self.value + self.value().find(color)?;
-        color.starts_with('#').then(|| start..start + color.len())
+    /// The place of a text without quotes, if the value may be one: a color or the name of a file,
+    /// for example. A value of a known syntax is written as there.
+    fn bare(&self) -> Option<Range<usize>> {
+        let text = self.value().trim();
+        let start = self.value + self.value().find(text)?;
+        let is_bare = !text.starts_with(['"', '(', '[', '{']) && !text.is_empty();
+        (self.syntax.is_none() && is_bare).then(|| start..start + text.len())
     }
 
     fn value(&self) -> &str {

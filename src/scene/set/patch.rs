@@ -90,6 +90,17 @@ pub(super) struct Value {
 }
 
 impl Value {
+    /// Returns the value of a setting as a text without quotes, if it may be one.
+    pub(super) fn bare(setting: &Setting) -> Option<Self> {
+        let range = setting.bare()?;
+        let text = setting.text.get(range.clone())?;
+        Some(Self {
+            text: serde_json::Value::from(text).to_string(),
+            range,
+            removes: false,
+        })
+    }
+
     /// Reads the value of a setting.
     pub(super) fn of(setting: &Setting, syntax: Syntax) -> Result<Self, Vec<Diagnostic>> {
         let start = setting.value;
@@ -108,14 +119,6 @@ impl Value {
                     Syntax::Json => "null".to_owned(),
                 },
                 removes: true,
-            });
-        }
-        // A color needs no quotes here, as in a cell of a table.
-        if let Some(range) = setting.bare_color() {
-            return Ok(Self {
-                range,
-                text: serde_json::Value::from(trimmed).to_string(),
-                removes: false,
             });
         }
         let tree = syntax::parse(setting.value(), syntax);

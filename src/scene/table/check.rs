@@ -1,4 +1,4 @@
-//! Checks the numbers of a table in one pass; each fault is reported once per column.
+//! Checks the numbers of a table in one pass.
 
 use std::ops::RangeInclusive;
 
@@ -8,6 +8,7 @@ use crate::scene::{
     format::geometry::{clash::why_no_axis, table::RowKind},
     table::{
         extent::Extent,
+        fault::MOST_LISTED,
         layout::{Block, COLORS, Column, Layout, OTHER_END, RADIUS, VALUE},
         values::Values,
     },
@@ -33,7 +34,9 @@ pub(crate) struct Bad {
     /// The first row, followed by its value.
     pub(crate) row: usize,
     pub(crate) value: f64,
-    /// The total number of such rows.
+    /// The number of such rows that are listed before.
+    pub(crate) before: usize,
+    /// The number of rows, this one included: of those that are not listed on their own.
     pub(crate) count: usize,
 }
 
@@ -161,16 +164,20 @@ fn look_at_ends(kind: RowKind, block: &Block, found: &mut Vec<Bad>) {
     }
 }
 
-/// Notes a fault: the first of its kind in a column is kept, the others are counted.
+/// Notes a fault: the first of its kind in a column are kept, the others are counted with the last
+/// of these.
 fn note(found: &mut Vec<Bad>, (kind, column): (Kind, usize), row: usize, value: f64) {
     let mut all = found.iter_mut();
-    match all.find(|bad| (bad.kind, bad.column) == (kind, column)) {
-        Some(earlier) => earlier.count += 1,
+    let last = all.rfind(|bad| (bad.kind, bad.column) == (kind, column));
+    let before = last.as_ref().map_or(0, |bad| bad.before + 1);
+    match last.filter(|_| before >= MOST_LISTED) {
+        Some(last) => last.count += 1,
         None => found.push(Bad {
             kind,
             column,
             row,
             value,
+            before,
             count: 1,
         }),
     }

@@ -101,7 +101,18 @@ impl Wrong {
             | Self::End => Code::InvalidTable,
         }
     }
+
+    /// The largest number of rows that are listed for such a fault in a column. A warning names one.
+    pub(super) const fn most_listed(self) -> usize {
+        match self.code().severity() {
+            Severity::Error => MOST_LISTED,
+            Severity::Warning => 1,
+        }
+    }
 }
+
+/// The largest number of rows that are listed for a fault in a column.
+pub(super) const MOST_LISTED: usize = 100;
 
 /// Rows that have the same fault in the same column.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,8 +121,10 @@ pub(crate) struct BadRows {
     pub(super) column: String,
     /// The first row, followed by its fault.
     pub(crate) row: usize,
+    /// The number of such rows that are listed before.
+    pub(super) before: usize,
     pub(crate) fault: Fault,
-    /// The total number of such rows.
+    /// The number of rows, this one included: of those that are not listed on their own.
     pub(crate) count: usize,
 }
 

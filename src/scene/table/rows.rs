@@ -45,8 +45,8 @@ impl Rows {
         }
     }
 
-    /// Notes a fault in the next row. Only the first such row is reported, the others are counted.
-    /// Returns the substitute for the number.
+    /// Notes a fault in the next row. The first such rows are reported, the others are counted with
+    /// the last of these. Returns the substitute for the number.
     pub(super) fn note(
         &mut self,
         wrong: Wrong,
@@ -54,12 +54,15 @@ impl Rows {
         fault: impl FnOnce() -> Fault,
     ) -> f64 {
         let mut all = self.bad.iter_mut();
-        match all.find(|bad| bad.wrong == wrong && bad.column == column) {
+        let last = all.rfind(|bad| bad.wrong == wrong && bad.column == column);
+        let before = last.as_ref().map_or(0, |bad| bad.before + 1);
+        match last.filter(|_| before >= wrong.most_listed()) {
             Some(bad) => bad.count += 1,
             None => self.bad.push(BadRows {
                 wrong,
                 column: column.to_owned(),
                 row: self.rows,
+                before,
                 fault: fault(),
                 count: 1,
             }),

@@ -324,9 +324,7 @@ impl<'t> Lexer<'t> {
             if self.syntax == Syntax::Ron {
                 let token = shorten(self.rest_of(start, self.pos));
                 self.cut_off = self.rest().is_empty();
-                let help = format!(
-                    "a name of letters, digits and `_` needs no mark; write any other as `r#{token}`"
-                );
+                let help = format!("write a text in quotes: `\"{token}\"`");
                 let message = format!("expected a name, found `{token}`");
                 self.faults
                     .add(start as u32..self.pos as u32, message, &help);

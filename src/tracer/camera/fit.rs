@@ -94,6 +94,16 @@ impl Extremes {
         }
     }
 
+    /// Adds the shapes of another search in the same directions.
+    pub(crate) fn add_all(&mut self, other: &Self) {
+        self.is_finite &= other.is_finite;
+        for (found, other) in self.found.iter_mut().zip(&other.found) {
+            if other.0 > found.0 {
+                *found = *other;
+            }
+        }
+    }
+
     /// Adds a shape as some frames of a turntable show it.
     pub(crate) fn add_turned(
         &mut self,

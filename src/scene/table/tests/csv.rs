@@ -168,10 +168,12 @@ fn all_unreadable_rows_are_reported_at_once() {
         .map(|bad| (bad.row, bad.count, bad.fault.message.as_str()))
         .collect();
     let expected = [
-        (0, 2, "row 0 (line 2): 3 columns, expected 4"),
-        (1, 2, "row 1 (line 3), column `y`: `a` is not a number"),
+        (0, 1, "row 0 (line 2): 3 columns, expected 4"),
+        (1, 1, "row 1 (line 3), column `y`: `a` is not a number"),
         (1, 1, "row 1 (line 3), column `radius`: the cell is empty"),
+        (3, 1, "row 3 (line 5), column `y`: `b` is not a number"),
         (3, 1, "row 3 (line 5), column `z`: `c` is not a number"),
+        (4, 1, "row 4 (line 6): 5 columns, expected 4"),
     ];
     assert_eq!(described, expected);
     assert_eq!((table.rows(), table.bad().len()), (5, 1));

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 
-use super::{DEFAULTS, Defaults, Format, Kind, Request, Table, survives, wanted};
+use super::{DEFAULTS, Defaults, Format, Kind, Request, Table, survives, totals, wanted};
 use crate::{
     scene::{format::geometry::table::RowKind, table::layout::RADIUS},
     tracer::{
@@ -176,11 +176,7 @@ fn ends_without_a_direction_are_counted() {
     rows[6][3] = 1e300;
     rows[7][6] = -1.0;
     let table = wanted(&csv(&rows, true, true), Format::Csv, &request(true)).unwrap();
-    let found = table
-        .bad()
-        .iter()
-        .map(|bad| (bad.kind, bad.column, bad.row, bad.count));
-    let mut found: Vec<_> = found.collect();
+    let mut found = totals(&table);
     found.sort_by_key(|(.., row, _)| *row);
     let distance = "have a squared distance that is 0 or not finite in an f64";
     let expected = [

@@ -139,15 +139,25 @@ pub(super) fn bad_spheres() -> Vec<Sphere> {
     bad
 }
 
+/// Returns the faults of the numbers in a table: the first row of each kind in a column, and how many
+/// there are.
+pub(super) fn totals(table: &Table) -> Vec<(Kind, usize, usize, usize)> {
+    let mut totals: Vec<(Kind, usize, usize, usize)> = Vec::new();
+    for bad in table.bad() {
+        let mut known = totals.iter_mut();
+        match known.find(|(kind, column, ..)| (*kind, *column) == (bad.kind, bad.column)) {
+            Some((.., count)) => *count += bad.count,
+            None => totals.push((bad.kind, bad.column, bad.row, bad.count)),
+        }
+    }
+    totals
+}
+
 /// Checks that the faults of [`bad_spheres`] are found while reading.
 pub(super) fn finds_bad_spheres(bytes: &[u8], format: Format) {
     let table = table(bytes, format, &DEFAULTS).unwrap();
     assert_checked(&table);
-    let found: Vec<_> = table
-        .bad()
-        .iter()
-        .map(|bad| (bad.kind, bad.column, bad.row, bad.count))
-        .collect();
+    let found = totals(&table);
     let expected = [
         (Kind::NotFinite, 2, 0, 5),
         (Kind::NotAboveZero, RADIUS, 0, 5),
@@ -224,7 +234,7 @@ fn table_of(numbers: &[[f64; 3]]) -> Table {
 }
 
 #[test]
-fn bad_numbers_are_reported_once_per_column() {
+fn bad_numbers_are_listed_by_column() {
     let mut numbers = vec![[0.0, 1.0, 1.0]; 3000];
     numbers[700][0] = f64::NAN;
     numbers[5][1] = f64::INFINITY;
@@ -236,18 +246,22 @@ fn bad_numbers_are_reported_once_per_column() {
     numbers[9][2] = f64::NEG_INFINITY;
     let table = table_of(&numbers);
     let expected = [
-        (Kind::NotFinite, RADIUS, 5, f64::INFINITY, 1),
-        (Kind::NotAboveZero, RADIUS, 6, -0.0, 3),
-        (Kind::NotFinite, COLORS.start, 9, f64::NEG_INFINITY, 1),
-        (Kind::NotFinite, 0, 700, f64::NAN, 1),
-        (Kind::Clamped, COLORS.start, 600, 1.0000000000000002, 2),
+        (Kind::NotFinite, RADIUS, 5, f64::INFINITY, 0),
+        (Kind::NotAboveZero, RADIUS, 6, -0.0, 0),
+        (Kind::NotAboveZero, RADIUS, 1500, 0.0, 1),
+        (Kind::NotAboveZero, RADIUS, 2999, -2.0, 2),
+        (Kind::NotFinite, COLORS.start, 9, f64::NEG_INFINITY, 0),
+        (Kind::NotFinite, 0, 700, f64::NAN, 0),
+        (Kind::Clamped, COLORS.start, 600, 1.0000000000000002, 0),
+        (Kind::Clamped, COLORS.start, 601, -0.5, 1),
     ];
-    let expected = expected.map(|(kind, column, row, value, count)| Bad {
+    let expected = expected.map(|(kind, column, row, value, before)| Bad {
         kind,
         column,
         row,
         value,
-        count,
+        before,
+        count: 1,
     });
     let sorted = |mut found: Vec<String>| {
         found.sort();
@@ -258,6 +272,17 @@ fn bad_numbers_are_reported_once_per_column() {
     assert_eq!(
         table_of(&[[0.0, 5e-324, 0.0], [-1e300, 1.0, 1.0]]).bad(),
         []
+    );
+}
+
+#[test]
+fn the_numbers_beyond_the_listed_ones_are_counted() {
+    let table = table_of(&vec![[0.0, -1.0, 0.0]; 3000]);
+    let counts: Vec<_> = table.bad().iter().map(|bad| (bad.row, bad.count)).collect();
+    assert_eq!(counts.len(), 100);
+    assert_eq!(
+        (counts[0], counts[98], counts[99]),
+        ((0, 1), (98, 1), (99, 2901))
     );
 }
 
