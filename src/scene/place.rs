@@ -97,7 +97,16 @@ impl Place<'_> {
         let values = table.values();
         let is_finite = values.is_some_and(|values| values.range().is_some()) || table.rows() == 0;
         let known = values.map(|_| is_finite);
-        problems.extend(self.values(by, table.names(), known));
+        let problem = self.values(by, table.names(), known);
+        // The columns of an array without names have those of their order.
+        let is_array = Format::of_name(self.file) == Some(Format::Npy) && named.columns.is_none();
+        problems.extend(problem.map(|problem| match problem.diagnostic.help {
+            None if is_array && known.is_none() => problem.help(format!(
+                "name the columns of the array, such as `columns: [\"x\", \"y\", \"z\", {:?}]`",
+                by.column
+            )),
+            _ => problem,
+        }));
         known.is_some()
     }
 

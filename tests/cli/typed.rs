@@ -135,3 +135,33 @@ fn the_limit_of_groups_is_told() {
     let done = run(&mut folder.strahl(["validate", "b.json"]));
     assert_eq!(done.status, Some(0), "{}", done.stderr);
 }
+
+#[test]
+fn the_fourth_column_of_an_array_is_told() {
+    let folder = Folder::new();
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 4), }";
+    bytes.extend(format!("{header:<117}\n").as_bytes());
+    bytes.extend([0.0_f64, 0.0, 0.0, 0.5].map(f64::to_le_bytes).concat());
+    folder.write("a.npy", bytes);
+    for (fields, help) in [
+        (
+            "radius: 1, color: \"#fff\"",
+            "such as `columns: [\"x\", \"y\", \"z\", \"value\"]`, or leave `radius` out here",
+        ),
+        (
+            "color_by: (column: \"energy\")",
+            "such as `columns: [\"x\", \"y\", \"z\", \"energy\"]`",
+        ),
+    ] {
+        let camera = "camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4)";
+        let spheres = format!("Spheres(file: \"a.npy\", {fields})");
+        folder.write("a.ron", format!("({camera}, geometries: [{spheres}])"));
+        let args = ["validate", "--output-format", "json", "a.ron"];
+        let done = run(&mut folder.strahl(args));
+        let report = String::from_utf8(done.stdout)
+            .unwrap()
+            .replace("\\\"", "\"");
+        assert!(report.contains(help), "{report}");
+    }
+}
