@@ -254,10 +254,14 @@ impl Checked {
         };
         let last = last.map(|last| tree.node(last).range().end);
         let end = tree.node(value).range().end.saturating_sub(1);
-        let mut edits = Vec::new();
-        if let Some(last) = last.filter(|last| self.comma_after(*last).is_none()) {
-            edits.push(Edit::insert(last, ","));
+        let lacks_comma = last.filter(|last| self.comma_after(*last).is_none());
+        if lacks_comma == Some(end) {
+            return vec![Edit::insert(end, format!(", {part}"))];
         }
+        let mut edits: Vec<_> = lacks_comma
+            .map(|last| Edit::insert(last, ","))
+            .into_iter()
+            .collect();
         let comma = if self.document.syntax() == Syntax::Ron {
             ","
         } else {
@@ -283,7 +287,8 @@ impl Checked {
     /// Returns a name that no camera has.
     fn new_camera(&self) -> String {
         let mut names = (1..).map(|number| format!("camera {number}"));
-        let is_new = |name: &String| !self.document.cameras().any(|other| other == name);
+        let parts = self.parts();
+        let is_new = |name: &String| parts.iter().all(|part| part.name != *name);
         names.find(is_new).unwrap_or_default()
     }
 }
