@@ -5,6 +5,7 @@ use std::{
     fmt,
     fs::{self, File, Metadata},
     io::{self, Cursor, Read},
+    ops::Bound,
     path::{Component, Path, PathBuf},
     sync::Arc,
 };
@@ -165,6 +166,21 @@ impl Memory {
     pub fn without(mut self, path: impl AsRef<Path>) -> Self {
         self.0.remove(&absolute(path.as_ref()));
         self
+    }
+
+    /// Returns the files in memory at a path or below it, in front of those on the disk.
+    #[must_use]
+    pub fn within(&self, path: impl AsRef<Path>) -> Self {
+        let path = absolute(path.as_ref());
+        let all = self
+            .0
+            .range::<Path, _>((Bound::Included(&*path), Bound::Unbounded));
+        let within = all.take_while(|(file, _)| file.starts_with(&path));
+        Self(
+            within
+                .map(|(file, bytes)| (file.clone(), Arc::clone(bytes)))
+                .collect(),
+        )
     }
 
     fn find(&self, path: &Path) -> Option<&Arc<[u8]>> {

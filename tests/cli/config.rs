@@ -218,6 +218,10 @@ fn every_fault_is_one_line_with_its_position() {
             "2:10: `empty-scene` is named twice",
         ),
         ("exclude = [\"[z-a\"]", "1:12: `[z-a` is not a pattern"),
+        (
+            &format!("exclude = [{}]", "\"a\", ".repeat(1001)),
+            "1:11: too many patterns",
+        ),
         ("exclude = []\nexclude = []", "2:1: duplicate key"),
         ("deny = ", "1:8: "),
         ("\"\\u001b[31m\" = 1", "1:1: unknown key `\\u{1b}[31m`"),

@@ -15,8 +15,9 @@ use crate::client::Client;
 type Scenario = fn() -> Result<(), Failed>;
 
 pub(crate) fn all() -> Vec<Trial> {
-    let trials: [(&str, Scenario); 4] = [
+    let trials: [(&str, Scenario); 5] = [
         ("the input ends", input_ends),
+        ("thousands of documents", thousands),
         ("the order of shutdown and exit", order),
         ("garbage is answered", garbage),
         ("messages in small pieces", pieces),
@@ -54,6 +55,27 @@ fn input_ends() -> Result<(), Failed> {
     let mut client = Client::initialized(&json!({}));
     client.ask("shutdown", &Value::Null).unwrap();
     expect_status(client, 0, "after `shutdown`")
+}
+
+/// All documents are checked, one after another, and the server still answers.
+fn thousands() -> Result<(), Failed> {
+    const COUNT: usize = 2000;
+    let folder = tempfile::tempdir()?;
+    let mut client = Client::initialized(&json!({}));
+    for index in 0..COUNT {
+        let uri = format!("file://{}/{index}.ron", folder.path().display());
+        client.open(&uri, "ron", "(camera: 1)");
+    }
+    for _ in 0..COUNT {
+        client.wait(|message| message["method"] == "textDocument/publishDiagnostics");
+    }
+    for index in 0..COUNT {
+        let uri = format!("file://{}/{index}.ron", folder.path().display());
+        let document = json!({"textDocument": {"uri": uri}});
+        client.notify("textDocument/didClose", &document);
+    }
+    client.finish();
+    Ok(())
 }
 
 fn order() -> Result<(), Failed> {

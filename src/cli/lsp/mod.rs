@@ -7,6 +7,7 @@ mod client;
 mod colors;
 mod diagnostics;
 mod document;
+mod documents;
 mod format;
 mod names;
 mod open_files;

@@ -27,6 +27,12 @@ impl OpenFiles {
         *files = mem::take(&mut *files).without(path);
     }
 
+    /// Returns a file, or those in a folder, as they are now. The lock is not held while the disk is
+    /// read.
+    fn within(&self, path: &Path) -> Memory {
+        self.lock().within(path)
+    }
+
     /// Returns the files as they are now.
     pub(super) fn now(&self) -> Memory {
         self.lock().clone()
@@ -35,18 +41,18 @@ impl OpenFiles {
 
 impl Files for OpenFiles {
     fn resolve(&self, path: &Path) -> io::Result<PathBuf> {
-        self.now().resolve(path)
+        self.within(path).resolve(path)
     }
 
     fn length(&self, path: &Path) -> io::Result<Option<u64>> {
-        self.now().length(path)
+        self.within(path).length(path)
     }
 
     fn open(&self, path: &Path) -> io::Result<Content> {
-        self.now().open(path)
+        self.within(path).open(path)
     }
 
     fn list(&self, folder: &Path) -> io::Result<Vec<(String, bool)>> {
-        self.now().list(folder)
+        self.within(folder).list(folder)
     }
 }

@@ -1,7 +1,6 @@
 //! The state of the server, and its main loop.
 
 use std::{
-    collections::{BTreeMap, HashSet},
     path::{Path, PathBuf},
     sync::{
         Arc,
@@ -25,6 +24,7 @@ use super::{
     client::Client,
     diagnostics,
     document::{OpenDocument, Report, Snapshot},
+    documents::Documents,
     outbox::{Outbox, refused},
     parent, requests,
     settings::Settings,
@@ -58,7 +58,7 @@ pub(super) struct Server {
     pub(super) outbox: Outbox,
     pub(super) work: Work,
     pub(super) client: Arc<Client>,
-    pub(super) documents: BTreeMap<String, OpenDocument>,
+    pub(super) documents: Documents,
     pub(super) folders: Vec<PathBuf>,
     pub(super) settings: Settings,
     pub(super) workspace: Workspace,
@@ -77,7 +77,7 @@ impl Server {
         Ok(Self {
             work: Work::new(outbox.clone())?,
             client: Client::new(&Value::Null).into(),
-            documents: BTreeMap::new(),
+            documents: Documents::default(),
             folders: Vec::new(),
             settings,
             workspace: Workspace::default(),
@@ -92,8 +92,7 @@ impl Server {
     /// Serves until the client leaves. Returns true if it has said so before.
     pub(super) fn run(&mut self, events: &Receiver<Event>) -> bool {
         loop {
-            let due = self.documents.values().filter_map(OpenDocument::due).min();
-            let event = match due {
+            let event = match self.documents.due() {
                 None => events.recv().map_err(|_| RecvTimeoutError::Disconnected),
                 Some(due) => events.recv_timeout(due.saturating_duration_since(Instant::now())),
             };
@@ -112,9 +111,7 @@ impl Server {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return false,
             }
-            for document in self.documents.values_mut() {
-                document.check(&self.turns, &self.events);
-            }
+            self.documents.check(&self.turns, &self.events);
         }
     }
 
@@ -159,7 +156,7 @@ impl Server {
             (Phase::Running, "shutdown") => {
                 self.phase = Phase::ShutDown;
                 self.work.cancel_all();
-                self.documents.clear();
+                self.documents = Documents::default();
                 self.outbox.respond(request.id, Ok(Value::Null));
             }
             (Phase::Running, "initialize") => {
@@ -326,7 +323,8 @@ impl Server {
         let removed = paths(&params.event.removed);
         self.folders.retain(|folder| !removed.contains(folder));
         self.folders.extend(paths(&params.event.added));
-        self.watch();
+        let files = self.documents.files().cloned();
+        self.watching.watch(files, &self.folders, &self.outbox);
     }
 
     /// Checks the scenes again that depend on these files.
@@ -348,47 +346,31 @@ impl Server {
             diagnostics::refresh(&self.client, &self.outbox);
             return;
         }
-        let mut is_used = false;
-        for document in self.documents.values() {
-            if document.files().iter().any(|file| files.contains(file)) {
-                document.refresh();
-                is_used = true;
-            }
+        let users = self.documents.users(files);
+        for document in users.iter().filter_map(|key| self.documents.get(key)) {
+            document.refresh();
         }
-        if is_used {
+        if !users.is_empty() {
             diagnostics::refresh(&self.client, &self.outbox);
         }
     }
 
     /// Watches the files that the open scenes depend on.
     fn watch(&mut self) {
-        let documents = self
-            .documents
-            .values()
-            .filter(|document| document.is_scene_file);
-        let files = documents.flat_map(|document| {
-            let folder = document.path.as_deref().and_then(Path::parent);
-            let configs = folder.into_iter().flat_map(Settings::files_of);
-            document.files().iter().cloned().chain(configs)
-        });
-        self.watching.watch(files, &self.folders, &self.outbox);
+        let changes = self.documents.changes();
+        let all = self.documents.files().cloned();
+        self.watching
+            .follow(changes, all, &self.folders, &self.outbox);
     }
 
     fn on_checked(&mut self, report: Report) {
         let uri = report.uri.clone();
-        let Some(document) = self.documents.get_mut(&uri) else {
-            return;
-        };
-        let files = document.files().to_vec();
-        if !document.take(report) {
+        if !self.documents.take(report) {
             return;
         }
         // Watched before the client is told, which may change a file at once.
-        let has_changed = *document.files() != *files;
-        self.find_parts();
-        if has_changed {
-            self.watch();
-        }
+        self.find_parts(&uri);
+        self.watch();
         let Some(document) = self.documents.get_mut(&uri) else {
             return;
         };
@@ -407,23 +389,18 @@ impl Server {
         }
     }
 
-    /// Checks the documents again, as parts, that lack a camera and that another one names.
-    fn find_parts(&mut self) {
-        let named: HashSet<_> = self
-            .documents
-            .values()
-            .flat_map(OpenDocument::files)
-            .collect();
-        let lacks_a_camera = self.documents.iter().filter(|(_, document)| {
-            let whole = document.latest().and_then(|latest| latest.whole.as_ref());
-            whole.is_some_and(|whole| whole.document().lacks_a_camera())
-                && document
-                    .path
-                    .as_ref()
-                    .is_some_and(|path| named.contains(path))
-        });
-        let parts: Vec<_> = lacks_a_camera.map(|(key, _)| key.clone()).collect();
-        for key in parts {
+    /// Checks documents again, as parts, that lack a camera and that another one names: those that a
+    /// document names, and itself.
+    fn find_parts(&mut self, uri: &str) {
+        for key in self.documents.parts(uri) {
+            let lacks_a_camera = |document: &OpenDocument| {
+                let whole = document.latest().and_then(|latest| latest.whole.as_ref());
+                whole.is_some_and(|whole| whole.document().lacks_a_camera())
+            };
+            let document = self.documents.get(&key);
+            if !document.is_some_and(lacks_a_camera) {
+                continue;
+            }
             if let Some(document) = self.documents.get_mut(&key) {
                 let mut settings = document.settings.clone();
                 settings.options = settings.options.as_part(true);

@@ -1,10 +1,20 @@
 //! Watching the files that scenes depend on: by the client if it can, else by the program.
 
-use std::{collections::BTreeSet, path::PathBuf, sync::mpsc::Sender};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+    sync::mpsc::Sender,
+};
 
 use serde_json::json;
 
-use super::{super::watcher::Watcher, client::Client, outbox::Outbox, server::Event};
+use super::{
+    super::{Failure, watcher::Watcher},
+    client::Client,
+    documents::Changes,
+    outbox::Outbox,
+    server::Event,
+};
 
 /// The files that the client is asked to watch.
 const PATTERNS: [&str; 2] = [
@@ -19,6 +29,8 @@ pub(super) struct Watching {
     /// Started for the first file.
     watcher: Option<Watcher>,
     watched: BTreeSet<PathBuf>,
+    /// The number of watched files that no document depends on any more.
+    gone: usize,
     has_failed: bool,
 }
 
@@ -29,6 +41,7 @@ impl Watching {
             by_client: false,
             watcher: None,
             watched: BTreeSet::new(),
+            gone: 0,
             has_failed: false,
         }
     }
@@ -49,6 +62,43 @@ impl Watching {
         outbox.request("client/registerCapability", params);
     }
 
+    /// Watches the new files. Those that are gone are forgotten together, once they are many: that takes
+    /// as long as to watch all anew.
+    pub(super) fn follow(
+        &mut self,
+        Changes { mut new, gone }: Changes,
+        all: impl ExactSizeIterator<Item = PathBuf>,
+        folders: &[PathBuf],
+        outbox: &Outbox,
+    ) {
+        self.gone += gone;
+        new.retain(|file| !self.is_left_to_client(file, folders));
+        if self.gone > all.len() / 2 || (self.watcher.is_none() && !new.is_empty()) {
+            self.gone = 0;
+            return self.watch(all, folders, outbox);
+        }
+        for file in new {
+            let watcher = self.watcher.as_mut().filter(|_| !self.has_failed);
+            let added = watcher.map(|watcher| watcher.add(&file));
+            let added = added.transpose().map_err(message);
+            self.watched.insert(file);
+            self.note(added.map(drop), outbox);
+        }
+    }
+
+    /// Returns true if the client watches a file.
+    fn is_left_to_client(&self, file: &Path, folders: &[PathBuf]) -> bool {
+        self.by_client && folders.iter().any(|folder| file.starts_with(folder))
+    }
+
+    /// Tells the user that files cannot be watched.
+    fn note(&mut self, done: Result<(), String>, outbox: &Outbox) {
+        if let Err(message) = done {
+            self.has_failed = true;
+            outbox.notify("window/logMessage", json!({"type": 2, "message": message}));
+        }
+    }
+
     /// Watches these files, and no longer those named before. A client watches what is in its
     /// folders.
     pub(super) fn watch(
@@ -57,23 +107,18 @@ impl Watching {
         folders: &[PathBuf],
         outbox: &Outbox,
     ) {
-        let by_client = |file: &PathBuf| {
-            self.by_client && folders.iter().any(|folder| file.starts_with(folder))
-        };
-        let files = files.into_iter().filter(|file| !by_client(file));
+        let files = files.into_iter();
+        let files = files.filter(|file| !self.is_left_to_client(file, folders));
         let files: BTreeSet<_> = files.collect();
         if files == self.watched || self.has_failed {
             return;
         }
         self.watched = files;
-        if let Err(message) = self.replace() {
-            self.has_failed = true;
-            outbox.notify("window/logMessage", json!({"type": 2, "message": message}));
-        }
+        let replaced = self.replace();
+        self.note(replaced, outbox);
     }
 
     fn replace(&mut self) -> Result<(), String> {
-        let message = |failure: super::super::Failure| failure.message().unwrap_or_default();
         if self.watcher.is_none() {
             let events = self.events.clone();
             let on_change = move |files: &[PathBuf]| {
@@ -85,4 +130,8 @@ impl Watching {
         let watched = watcher.map(|watcher| watcher.watch(self.watched.iter().cloned()));
         watched.transpose().map(drop).map_err(message)
     }
+}
+
+fn message(failure: Failure) -> String {
+    failure.message().unwrap_or_default()
 }

@@ -13,7 +13,7 @@ use crate::{
         error::{Error, ErrorKind},
         reading::open_file,
     },
-    jobs::config::Configs,
+    jobs::config::{Configs, are_too_many},
     text::syntax::Syntax,
 };
 
@@ -97,6 +97,9 @@ fn search(
             false
         })
     };
+    if are_too_many(excluded.iter().map(String::as_str)) {
+        return Err(Error::new(ErrorKind::Usage, "too many patterns"));
+    }
     let mut overrides = OverrideBuilder::new(folder);
     for pattern in excluded {
         // For `ignore`, an override with an exclamation mark excludes.
@@ -212,6 +215,17 @@ mod tests {
                 .replace('\\', "/")
         });
         relative.collect()
+    }
+
+    #[test]
+    fn patterns_are_few() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = [folder.path().to_owned()];
+        for (pattern, count) in [("a", 1001), (&*"a".repeat(70), 1000)] {
+            let excluded = vec![pattern.to_owned(); count];
+            let found = find_scenes(&paths, &excluded, &Configs::none());
+            assert!(found.unwrap_err().to_string().contains("too many patterns"));
+        }
     }
 
     #[test]

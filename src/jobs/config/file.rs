@@ -14,7 +14,7 @@ use crate::{
         error::{Error, ErrorKind},
         levels::Levels,
     },
-    jobs::config::Config,
+    jobs::config::{Config, are_too_many},
     report::OutputFormat,
     text::{
         lines::Lines,
@@ -96,12 +96,17 @@ struct Reader {
 
 impl Reader {
     fn exclude(&mut self, value: &Value<'_>) -> Result<(), Fault> {
-        for (pattern, range) in strings(value)? {
+        let patterns = strings(value)?;
+        let too_many = || (value.span(), "too many patterns".to_owned());
+        if are_too_many(patterns.iter().map(|(pattern, _)| *pattern)) {
+            return Err(too_many());
+        }
+        for (pattern, range) in patterns {
             let added = self.excluded.add_line(None, pattern);
             added.map_err(|_| (range, format!("{} is not a pattern", quote(pattern))))?;
         }
         let excluded = self.excluded.build();
-        let excluded = excluded.map_err(|_| (value.span(), "too many patterns".to_owned()))?;
+        let excluded = excluded.map_err(|_| too_many())?;
         self.config.excluded = Some(excluded);
         Ok(())
     }

@@ -196,3 +196,12 @@ pub(super) fn is_missing(error: &io::Error) -> bool {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
     )
 }
+
+/// Returns true if there are more patterns to skip files than are worth their memory.
+pub(crate) fn are_too_many<'p>(patterns: impl Iterator<Item = &'p str> + Clone) -> bool {
+    /// The number of patterns.
+    const MOST: usize = 1000;
+    /// The number of bytes of all patterns.
+    const LONGEST: usize = 1 << 16;
+    patterns.clone().count() > MOST || patterns.map(str::len).sum::<usize>() > LONGEST
+}

@@ -62,6 +62,9 @@ struct Layout {
 }
 
 impl Legend {
+    /// The largest number of letters of the label.
+    const LONGEST_LABEL: usize = 1000;
+
     /// Creates the legend of a map, whose first and last colors are those of the values in `range`.
     pub fn new(map: Colormap, range: [f64; 2]) -> Self {
         Self {
@@ -74,7 +77,7 @@ impl Legend {
         }
     }
 
-    /// Sets the label above the bar; one line.
+    /// Sets the label above the bar: one line of at most 1,000 letters.
     #[must_use]
     pub fn label(mut self, label: impl Into<String>) -> Self {
         // A control character would end the line, or the file.
@@ -105,6 +108,12 @@ impl Legend {
     }
 
     fn layout(&self) -> Result<Layout, Error> {
+        let letters = self.label.chars().count();
+        if letters > Self::LONGEST_LABEL {
+            let most = Self::LONGEST_LABEL;
+            let message = format!("a label has at most {most} letters, found {letters}");
+            return Err(Error::new(ErrorKind::Usage, message));
+        }
         let Some(size) = self.size else {
             return self.fit(TEXT[0], None);
         };
@@ -223,5 +232,21 @@ impl Layout {
     /// The gap between a bar and its labels.
     const fn gap(&self) -> u32 {
         self.text / 2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_has_a_limit() {
+        let legend = |letters: usize| {
+            let legend = Legend::new(Colormap::viridis(), [0.0, 1.0]);
+            legend.label("µ".repeat(letters)).svg()
+        };
+        assert!(legend(1000).is_ok());
+        let refused = legend(120_000).unwrap_err().to_string();
+        assert_eq!(refused, "a label has at most 1000 letters, found 120000");
     }
 }

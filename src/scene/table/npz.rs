@@ -3,7 +3,10 @@
 //! One array has rows of columns, as in an .npy file. Arrays of one dimension are columns with the
 //! names of the arrays.
 
-use std::io::{self, Cursor, Read};
+use std::{
+    collections::HashSet,
+    io::{self, Cursor, Read},
+};
 
 use zip::{ZipArchive, result::ZipError};
 
@@ -19,7 +22,13 @@ use crate::{
     text::nearest::{list, nearest, quote},
 };
 
-type Archive = ZipArchive<Cursor<Vec<u8>>>;
+type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
+
+/// The number of bytes that arrays may have when unpacked, however small the file is. Tests use less.
+const LEAST: u64 = if cfg!(test) { 1 << 14 } else { 1 << 27 };
+/// The number of such bytes for each byte of the file. Columns of one number are packed to a
+/// thousandth, but not whole tables.
+const MOST_RATIO: u64 = 128;
 
 /// A named array and its index in the archive.
 struct Entry<'a> {
@@ -30,11 +39,12 @@ struct Entry<'a> {
 
 pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    let file = Cursor::new(read_bytes(reader, length)?);
-    let mut archive = ZipArchive::new(file).map_err(|error| {
+    let file = read_bytes(reader, length)?;
+    let mut archive = ZipArchive::new(Cursor::new(&*file)).map_err(|error| {
         let fault = Fault::new(format!("not a zip file of arrays: {error}"));
         fault.help("`numpy.savez` writes one")
     })?;
+    check_names(&file, archive.central_directory_start())?;
     let mut headers = Vec::new();
     for index in 0..archive.len() {
         let name = archive.name_for_index(index).and_then(Result::ok);
@@ -67,7 +77,36 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
     let columns = columns(request.kind());
     let is_meant = |name: &str| columns.contains(&Some(name)) || request.value == Some(name);
     entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
-    load(&mut archive, rows, &entries, request)
+    let most = LEAST.saturating_add(MOST_RATIO.saturating_mul(length as u64));
+    load(&mut archive, (rows, most), &entries, request)
+}
+
+/// Rejects a file with two arrays of one name, of which the archive keeps only the last. `start` is the
+/// place of its list of files.
+fn check_names(file: &[u8], start: u64) -> Result<(), Fault> {
+    // PKWARE, .ZIP File Format Specification, section 4.3.12.
+    const HEADER: usize = 46;
+    let mut names = HashSet::new();
+    let mut rest = usize::try_from(start)
+        .ok()
+        .and_then(|start| file.get(start..));
+    while let Some((header, after)) = rest.and_then(|rest| rest.split_at_checked(HEADER)) {
+        if !header.starts_with(b"PK\x01\x02") {
+            break;
+        }
+        let length = |at: usize| usize::from(u16::from_le_bytes([header[at], header[at + 1]]));
+        let Some((name, after)) = after.split_at_checked(length(28)) else {
+            break;
+        };
+        if !names.insert(name) {
+            let name = String::from_utf8_lossy(name);
+            let name = quote(name.strip_suffix(".npy").unwrap_or(&name));
+            let fault = Fault::new(format!("several arrays have the name {name}"));
+            return Err(fault.help("write the file again, each array once"));
+        }
+        rest = after.get(length(30) + length(32)..);
+    }
+    Ok(())
 }
 
 /// Returns the place of the array with rows of columns.
@@ -135,7 +174,7 @@ fn rows(
 /// Reads the elements of the arrays that have chosen columns.
 fn load(
     archive: &mut Archive,
-    rows: usize,
+    (rows, most): (usize, u64),
     entries: &[Entry],
     request: &Request,
 ) -> Result<Table, ReadError> {
@@ -165,7 +204,7 @@ fn load(
                 *start += bytes.len();
             }
         }
-        append(archive, entry, &mut bytes)?;
+        append(archive, entry, most, &mut bytes)?;
     }
     let columns = chosen.map(|chosen| chosen.map(|(_, column)| column));
     let layout = Layout::new(rows, columns, &request.defaults);
@@ -191,12 +230,23 @@ fn open<'a>(
     Ok((header, length.saturating_sub(start), file))
 }
 
-/// Appends the elements of an array. Memory grows as they are unpacked, whatever the archive states.
-fn append(archive: &mut Archive, entry: &Entry, bytes: &mut Vec<u8>) -> Result<(), ReadError> {
+/// Appends the elements of an array, up to `most` bytes in all. Memory grows as they are unpacked,
+/// whatever the archive states.
+fn append(
+    archive: &mut Archive,
+    entry: &Entry,
+    most: u64,
+    bytes: &mut Vec<u8>,
+) -> Result<(), ReadError> {
     let Entry { index, name, array } = entry;
     let (_, length, mut elements) = open(archive, *index, name)?;
     array.check_length(length).map_err(|fault| fault.of(name))?;
     let before = bytes.len();
+    if length.saturating_add(before as u64) > most {
+        let message = format!("unpacked, the arrays have more than {most} bytes");
+        let fault = Fault::new(message).of(name);
+        return Err(fault.help("`numpy.savez` writes them as they are").into());
+    }
     // The archive has a checksum, which is compared at the end of the elements.
     let mut elements = elements.by_ref().take(length.saturating_add(1));
     elements

@@ -4,6 +4,7 @@ mod atoms;
 mod csv;
 mod cylinders;
 mod npy;
+mod npz;
 mod ply;
 mod texts;
 mod values;
