@@ -176,11 +176,11 @@ impl Found {
                 }
             }
         });
-        // A plane is near somewhere: it counts if the light is for it alone, or was not set.
-        if !nearest.is_finite() || dim > DIM {
+        let brightness = light.glow().radiance().max_channel();
+        // A plane is near somewhere, which does not help what is far away.
+        if !nearest.is_finite() || brightness / (nearest * nearest) >= DIM {
             nearest = nearest.min(to_plane);
         }
-        let brightness = light.glow().radiance().max_channel();
         let squared = nearest * nearest;
         let is_dim = brightness > 0.0 && squared.is_finite() && brightness / squared < dim;
         if !is_dim {
