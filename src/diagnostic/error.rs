@@ -83,9 +83,11 @@ impl Error {
 
     /// Creates the error of a file that could not be read.
     pub(crate) fn unreadable(path: &Path, source: io::Error) -> Self {
-        Self::new(ErrorKind::Unreadable, reason(&source))
-            .at(path)
-            .caused_by(source)
+        // A reader that is cancelled fails with the error of the cancellation.
+        let error = source.downcast::<Self>().unwrap_or_else(|source| {
+            Self::new(ErrorKind::Unreadable, reason(&source)).caused_by(source)
+        });
+        error.at(path)
     }
 
     /// Creates the error of a file that could not be written.

@@ -121,7 +121,9 @@ impl Document {
         let name = name.into();
         let timings = Timings::new();
         let watch = timings.watch();
-        let text = watch.time(Stage::Read, || files::read_from(reader, 0))?;
+        let text = watch.time(Stage::Read, || {
+            files::read_from(options.until_cancelled(reader), 0)
+        })?;
         let options = options.of_text(&name);
         let syntax = options.syntax;
         let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&text.text));
