@@ -172,13 +172,13 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
 }
 
 impl<'de, const RON: bool> Reader<'de, RON> {
-    /// Returns true if a string follows the next byte, a bracket.
+    /// Returns true if a string or a list follows the next byte, a bracket.
     #[inline]
-    fn begins_string(&self) -> bool {
-        self.text.as_bytes().get(self.at + 1) == Some(&b'"')
+    fn begins_value(&self) -> bool {
+        matches!(self.text.as_bytes().get(self.at + 1), Some(b'"' | b'['))
     }
 
-    /// Reads one value between brackets, as in `Named("gold")`.
+    /// Reads one value between brackets, as in `Named("gold")` and `Colors(["#000", "#fff"])`.
     fn in_brackets<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value> {
         self.expect(Self::TUPLE.0)?;
         let value = seed.deserialize(&mut *self)?;
@@ -324,7 +324,7 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
         if RON && !self.0.sees(Reader::<RON>::STRUCT.0) {
             return Err(Unknown);
         }
-        if RON && self.0.begins_string() {
+        if RON && self.0.begins_value() {
             return self.0.in_brackets(seed);
         }
         seed.deserialize(self.0)
