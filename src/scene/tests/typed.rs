@@ -126,7 +126,13 @@ fn values_of_a_field() {
             "write `1.5`",
             Some("radius: 1.5"),
         ),
-        ("radius: pi/2", "/", "arithmetic is not evaluated", None),
+        (
+            "radius: pi/2",
+            "pi/2",
+            "arithmetic is not evaluated; write `1.5707963267948966`",
+            Some("radius: 1.5707963267948966"),
+        ),
+        ("radius: (1+2)/3", "(1+2)/3", "write `1`", Some("radius: 1")),
         (
             "radius: pi",
             "pi",
@@ -143,6 +149,23 @@ fn values_of_a_field() {
         let text = scene(Syntax::Ron, "", &ball(field));
         check(&text, Syntax::Ron, place, help, fixed);
     }
+}
+
+/// As in `ron`, CR alone is white space, but does not end a comment.
+#[test]
+fn lines_that_end_with_cr() {
+    let fields = "lights: [ // one\nAmbient(intensity: 1)],";
+    let text = scene(Syntax::Ron, fields, BALL);
+    let help = "save the file with the line ends LF or CRLF";
+    check(
+        &text.replace('\n', "\r"),
+        Syntax::Ron,
+        "//",
+        help,
+        Some(fields),
+    );
+    let text = format!("// one\n{text}").replace('\n', "\r");
+    check(&text, Syntax::Ron, "//", help, Some("// one\n("));
 }
 
 #[test]
@@ -185,10 +208,10 @@ fn values_of_the_scene() {
             Some("Ambient(intensity: 0.2, color: \"#fff\")"),
         ),
         (
-            "lights: [Point((0, 5, 5))],",
-            "Point((0, 5, 5))",
-            "write `Point(position: (0, 5, 5))`",
-            Some("Point(position: (0, 5, 5))"),
+            "lights: [Point((0, 3, 3))],",
+            "Point((0, 3, 3))",
+            "write `Point(position: (0, 3, 3))`",
+            Some("Point(position: (0, 3, 3))"),
         ),
         ("image: (width: 64.5),", "64.5", "", None),
     ] {

@@ -3,7 +3,9 @@
 use super::fault::{Habit, cure};
 use super::language::Syntax;
 use super::lexer::{Lexer, shorten};
+use super::value::is_variant;
 use crate::text::edit::Edit;
+use std::f64::consts::PI;
 
 /// The maximum length of an expression, so that a long line is not scanned at each of its numbers.
 const LONGEST: usize = 200;
@@ -17,6 +19,28 @@ impl Lexer<'_> {
             self.byte(self.pos + blanks),
             Some(b'*' | b'/' | b'+' | b'-')
         )
+    }
+
+    /// Returns true if the parenthesis at the position may start arithmetic, such as `(1 + 2) / 3`,
+    /// where a value is expected. A tuple is ruled out at its first comma.
+    #[inline]
+    pub(super) fn begins_expression(&self) -> bool {
+        let rest = self.rest().as_bytes();
+        let rest = rest.get(..LONGEST).unwrap_or(rest);
+        let after = rest
+            .iter()
+            .find(|byte| !byte.is_ascii_digit() && !b"(-. ".contains(byte));
+        let before = || self.rest_of(0, self.pos).trim_ascii_end();
+        after.is_some_and(|byte| b"*/+)eEpP".contains(byte))
+            && before().ends_with([':', ',', '(', '[', '{'])
+    }
+
+    /// Returns true if a text is all that a function has in its parentheses, as in `sqrt(1/2)`.
+    fn is_argument(&self, start: usize) -> bool {
+        let before = self.rest_of(0, start).trim_ascii_end().strip_suffix('(');
+        let name = before.and_then(|before| before.rsplit(|c: char| !c.is_alphanumeric()).next());
+        name.is_some_and(|name| !is_variant(name))
+            && self.rest().trim_ascii_start().starts_with(')')
     }
 
     /// Consumes and reports the expression that begins at an offset, if there is one.
@@ -37,8 +61,8 @@ impl Lexer<'_> {
         let written = written.strip_suffix(".0").unwrap_or(&written);
         if value.is_finite() {
             let help = format!("arithmetic is not evaluated; write `{written}`");
-            let fault = self.faults.add(range, message, &help);
-            cure(fault, [Edit::replace(start..start + length, written)]);
+            let edit = (!self.is_argument(start)).then(|| Edit::replace(start..self.pos, written));
+            cure(self.faults.add(range, message, &help), edit);
         } else {
             let help = "arithmetic is not evaluated, and this has no value";
             self.faults.add(range, message, help);
@@ -47,16 +71,27 @@ impl Lexer<'_> {
     }
 }
 
-/// Evaluates the expression at the start of a text: numbers with at least one of `+`, `-`, `*` and `/`
-/// between them. Returns its length and its value.
+/// Evaluates the expression at the start of a text: numbers, `pi` and parentheses with at least one
+/// of `+`, `-`, `*` and `/` between them. Returns its length and its value.
 fn evaluate(text: &str) -> Option<(usize, f64)> {
-    let line = text.as_bytes();
-    let line = line.get(..LONGEST).unwrap_or(line);
-    let (mut end, first) = number(line, 0)?;
+    let all = text.as_bytes();
+    let line = all.get(..LONGEST).unwrap_or(all);
+    let (end, value, is_one) = sum(line, 0)?;
+    let rest = all.get(end..)?;
+    let next = rest.trim_ascii_start();
+    let is_comment = next.starts_with(b"//") || next.starts_with(b"/*");
+    let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || b"_.(".contains(byte);
+    let goes_on = rest.first().is_some_and(is_part)
+        || next.first().is_some_and(|byte| b"+-*/^%".contains(byte)) && !is_comment;
+    (is_one && !goes_on && end < LONGEST).then_some((end, value))
+}
+
+/// Evaluates the sum at an offset. Returns its end, its value, and true if it has an operator.
+fn sum(line: &[u8], start: usize) -> Option<(usize, f64, bool)> {
+    let (mut end, first, mut is_one) = factor(line, start)?;
     let (mut sum, mut product) = (0.0, first);
-    let mut is_one = false;
     while let Some((operator, at)) = operator(line, end) {
-        let Some((after, value)) = number(line, at) else {
+        let Some((after, value, _)) = factor(line, at) else {
             break;
         };
         match operator {
@@ -69,21 +104,38 @@ fn evaluate(text: &str) -> Option<(usize, f64)> {
         }
         (end, is_one) = (after, true);
     }
-    let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || b"_.+-*/^(".contains(byte);
-    let goes_on = line.get(end).is_some_and(is_part) && operator(line, end).is_none();
-    (is_one && !goes_on).then_some((end, sum + product))
+    Some((end, sum + product, is_one))
+}
+
+/// Evaluates the number, `pi` or parentheses at an offset, as [`sum`] does.
+fn factor(line: &[u8], start: usize) -> Option<(usize, f64, bool)> {
+    if let Some((end, value)) = number(line, start) {
+        return Some((end, value, false));
+    }
+    let is_negative = line.get(start) == Some(&b'-');
+    let at = start + usize::from(is_negative);
+    let signed = |value: f64| if is_negative { -value } else { value };
+    if line.get(at) == Some(&b'(') {
+        let (end, value, is_one) = sum(line, at + 1 + blanks(line, at + 1))?;
+        let end = end + blanks(line, end);
+        return (line.get(end) == Some(&b')')).then_some((end + 1, signed(value), is_one));
+    }
+    let is_pi = line.get(at..at + 2)?.eq_ignore_ascii_case(b"pi");
+    is_pi.then_some((at + 2, signed(PI), false))
+}
+
+/// Counts the blanks at an offset.
+fn blanks(line: &[u8], at: usize) -> usize {
+    let rest = line.get(at..).unwrap_or_default();
+    rest.iter().take_while(|byte| **byte == b' ').count()
 }
 
 /// Returns the operator at an offset, with blanks on both sides or on none, and the offset after it.
 fn operator(line: &[u8], at: usize) -> Option<(u8, usize)> {
-    let blanks = |at: usize| {
-        let rest = line.get(at..).unwrap_or_default();
-        rest.iter().take_while(|byte| **byte == b' ').count()
-    };
-    let before = blanks(at);
+    let before = blanks(line, at);
     let operator = *line.get(at + before)?;
     let next = at + before + 1;
-    let after = blanks(next);
+    let after = blanks(line, next);
     // `1 -2` are two numbers, and `//` starts a comment.
     let is_one = match operator {
         b'*' => true,
@@ -138,6 +190,21 @@ mod tests {
             ("2**3", None),
             ("1/2m", None),
             ("1-2.3.4", None),
+            ("(1+2)/3, 4", Some((7, 1.0))),
+            ("2*( 1 + 2 )", Some((11, 6.0))),
+            ("-((1+2)*2))", Some((10, -6.0))),
+            ("pi/2", Some((4, PI / 2.0))),
+            ("-2 * PI // a turn", Some((7, -2.0 * PI))),
+            ("(1)", None),
+            ("(1+2", None),
+            ("(1+2, 3)", None),
+            ("(1+2)x", None),
+            ("1/2/x", None),
+            ("1/2 -1", None),
+            ("1/2 % 3", None),
+            ("2(1+2)", None),
+            ("pixel/2", None),
+            ("pi", None),
         ] {
             assert_eq!(evaluate(text), expected, "{text}");
         }
@@ -153,10 +220,33 @@ mod tests {
             ),
             ("(1 + 2, -6*0.5)", Syntax::Ron, "(3, -3)"),
             ("{\"radius\": 0.5*2}", Syntax::Json, "{\"radius\": 1}"),
+            ("{\"fov\": (1+2)/3}", Syntax::Json, "{\"fov\": 1}"),
+            ("(fov: ((1+2)/3)*2)", Syntax::Ron, "(fov: 2)"),
+            ("(fov: -(1+2))", Syntax::Ron, "(fov: -3)"),
+            ("((1 + 2), (3/2))", Syntax::Ron, "(3, 1.5)"),
+            ("(1/2, (pi*2))", Syntax::Ron, "(0.5, 6.283185307179586)"),
+            ("(fov: Some(1/2))", Syntax::Ron, "(fov: Some(0.5))"),
         ] {
             let tree = parse(text, syntax);
             let edits: Vec<_> = tree.faults().iter().map(|fault| &*fault.fix).collect();
             assert_eq!(crate::text::edit::apply(text, edits).0, fixed);
+        }
+    }
+
+    #[test]
+    fn no_fix_leaves_a_fault() {
+        for text in [
+            "(fov: sqrt(1/2))",
+            "(fov: 1/2/x)",
+            "(fov: (1+2)/x)",
+            "(fov: 1/0)",
+            "(fov: 1/2 -1)",
+        ] {
+            let tree = parse(text, Syntax::Ron);
+            assert!(!tree.faults().is_empty(), "{text}");
+            for fault in tree.faults() {
+                assert_eq!(fault.fix, [], "{text}");
+            }
         }
     }
 }

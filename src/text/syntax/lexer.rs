@@ -202,6 +202,7 @@ impl<'t> Lexer<'t> {
     pub(crate) fn scan(&mut self, byte: u8) -> TokenKind {
         use TokenKind::*;
         let kind = match byte {
+            b'(' if self.begins_expression() && self.arithmetic(self.pos) => return Unknown,
             b'(' => Open(Bracket::Round),
             b')' => Close(Bracket::Round),
             b'[' => Open(Bracket::Square),
@@ -307,6 +308,9 @@ impl<'t> Lexer<'t> {
             }
         }
         self.pos = self.run_end(start, false);
+        if self.pos == start + "pi".len() && self.sees_operator() && self.arithmetic(start) {
+            return TokenKind::Unknown;
+        }
         if self.syntax == Syntax::Ron && self.is_path() {
             self.path();
         }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::frame::{Closed, Frame, Layout, Suspect};
 use super::lexer::{Bracket, Lexer, Token, TokenKind, shorten};
+use super::trivia;
 use super::value::starts_value;
 use super::{
     MAX_DEPTH, attribute,
@@ -135,14 +136,21 @@ impl<'t> Parser<'t> {
             };
         }
         let Lexer {
-            comments, faults, ..
+            text,
+            comments,
+            faults,
+            ..
         } = self.lexer;
+        let mut faults = faults.into_sorted();
+        if let Some(fault) = faults.iter_mut().find(|fault| fault.range.is_empty()) {
+            trivia::blame_carriage_return(text, &comments, fault);
+        }
         Tree {
             syntax,
             nodes: self.nodes,
             comments,
             attributes,
-            faults: faults.into_sorted(),
+            faults,
         }
     }
 

@@ -1,7 +1,7 @@
 //! White space and comments.
 
 use super::confusables;
-use super::fault::Habit;
+use super::fault::{Fault, Habit};
 use super::lexer::Lexer;
 use super::{
     language::Syntax,
@@ -149,6 +149,26 @@ impl Lexer<'_> {
                 None,
             );
         }
+    }
+}
+
+/// Explains a fault at the end of a text by a comment that goes on to there: as in `ron`, a carriage
+/// return alone does not end it.
+pub(super) fn blame_carriage_return(text: &str, comments: &[Comment], fault: &mut Fault) {
+    let comment = |comment: &Comment| text.get(comment.start as usize..comment.end as usize);
+    let mut after = comments
+        .iter()
+        .filter(|comment| comment.kind == CommentKind::Line)
+        .filter(|comment| comment.start as usize >= fault.range.start)
+        .filter_map(|found| Some((found.start as usize, comment(found)?)));
+    if let Some((start, comment)) = after.find(|(_, comment)| comment.contains('\r')) {
+        let range = start..start + comment.len();
+        let help = "save the file with the line ends LF or CRLF; CR alone does not end a comment";
+        fault.message = "the rest of the file is a comment".to_owned();
+        fault.help = Some(help.to_owned());
+        fault.label = None;
+        fault.fix = vec![Edit::replace(range, comment.replace('\r', "\n"))];
+        fault.range = start..start + "//".len();
     }
 }
 
