@@ -320,6 +320,23 @@ impl Scene {
         self
     }
 
+    /// Returns the same scene for a picture of `factor` times the size that shows the same, with outlines as
+    /// much wider; `None` if there is none.
+    pub(crate) fn magnified(self, factor: u32) -> Option<Self> {
+        let (width, height) = (self.size.width(), self.size.height());
+        let camera = self.camera().magnified(width, height, factor)?;
+        let size = Size::new(width.checked_mul(factor)?, height.checked_mul(factor)?);
+        let outlines = self.outlines.map(|outlines| Outlines {
+            width: outlines.width * f64::from(factor),
+            ..outlines
+        });
+        Some(Self {
+            size: size.ok()?,
+            outlines,
+            ..self.seen_by(camera)
+        })
+    }
+
     /// Returns true if all pictures of both scenes are certainly equal, of every camera and layer. Those of
     /// animations are not compared.
     pub(crate) fn looks_like(&self, other: &Self) -> bool {

@@ -2,6 +2,7 @@
 //! errors stays ready to be drawn.
 
 mod camera;
+mod magnified;
 mod outline;
 mod parts;
 mod rewrite;

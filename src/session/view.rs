@@ -120,7 +120,7 @@ impl View {
         Ok(file)
     }
 
-    fn options(
+    pub(super) fn options(
         &self,
         scene: &Scene,
         quality: Quality,

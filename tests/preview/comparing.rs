@@ -33,6 +33,8 @@ fn wipe_side_by_side_and_difference(browser: &Browser) {
     page.wait("comparison.textContent.includes('differ')");
     let text = page.text("comparison.textContent");
     assert!(text.contains("3072 of 3072"), "{text}");
+    // What is compared is shown.
+    assert!(page.is("sharp.hidden"));
     assert_eq!(page.rectangle("#reference"), page.rectangle("#picture"));
     assert!(page.style("#reference", "clipPath").contains("50%"));
     page.shot("wipe");

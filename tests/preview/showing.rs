@@ -1,5 +1,7 @@
 //! The picture, and the choices of what it shows.
 
+use std::process::Command;
+
 use super::{
     PageTest,
     browser::{Browser, key},
@@ -11,6 +13,7 @@ pub(crate) const TESTS: &[(&str, PageTest)] = tests![
     the_page_shows_the_picture_of_the_scene,
     cameras_layers_and_exposure,
     zoom_shows_exact_pixels,
+    fit_is_as_sharp_as_the_panel,
     a_timeline_with_play,
     a_slow_picture_is_coarse_first,
     the_last_picture_stays_until_a_whole_one,
@@ -121,6 +124,50 @@ fn zoom_shows_exact_pixels(browser: &Browser) {
     assert!(page.rectangle("#picture")[2] <= width);
     // A scaled picture has no hard pixels.
     assert_eq!(page.style("#picture", "imageRendering"), "auto");
+}
+
+fn fit_is_as_sharp_as_the_panel(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    page.wait("!sharp.hidden");
+    page.shot("sharp");
+    // At least a pixel for each of the screen, in squares that each are a pixel of the scene.
+    let factor = page.number("sharp.naturalWidth") / 64.0;
+    assert_eq!(factor.fract(), 0.0);
+    assert_eq!(page.number("sharp.naturalHeight"), factor * 48.0);
+    let place = page.rectangle("#picture");
+    assert_eq!(page.rectangle("#sharp"), place);
+    let ratio = page.number("devicePixelRatio");
+    assert!(factor * 64.0 >= place[2] * ratio && (factor - 1.0) * 64.0 < place[2] * ratio);
+    // The scene's own picture is the one that is read and saved.
+    assert_eq!(page.number("picture.naturalWidth"), 64.0);
+    for (x, y) in [(22, 24), (41, 24), (0, 0), (63, 47), (14, 24)] {
+        page.point(page.at((x, y)));
+        let read = format!("pixel {x}, {} (y from the bottom)", 47 - y);
+        page.wait(&format!("readout.textContent.startsWith('{read}')"));
+        let [r, g, b, _] = page.color("picture", (x, y));
+        let color = page.text("readout.textContent");
+        assert!(color.contains(&format!("({r}, {g}, {b})")), "{color}");
+        let printed = Command::new(env!("CARGO_BIN_EXE_strahl"))
+            .args(["pixel", "scene.ron", &format!("{x},{}", 47 - y)])
+            .current_dir(page.preview.folder())
+            .output()
+            .unwrap();
+        let printed = String::from_utf8(printed.stdout).unwrap();
+        assert!(printed.contains(&format!("({r}, {g}, {b})")), "{printed}");
+    }
+    // A fixed zoom shows the pixels of the scene.
+    page.choose("#zoom", "4");
+    assert!(page.is("sharp.hidden"));
+    page.choose("#zoom", "0");
+    page.wait("!sharp.hidden");
+    // Another scene hides the last one.
+    page.and_draw(|| page.retype("#ff0000", "#0000ff"));
+    let middle = (22.0 + 0.5) * factor;
+    page.wait_for("the new picture", || {
+        !page.is("sharp.hidden")
+            && page.color("sharp", (middle as u32, (24.5 * factor) as u32)) == [0, 0, 255, 255]
+    });
+    assert_eq!(page.color("picture", (22, 24)), [0, 0, 255, 255]);
 }
 
 fn a_timeline_with_play(browser: &Browser) {

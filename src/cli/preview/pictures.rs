@@ -39,6 +39,8 @@ pub(super) struct Asked {
     samples: Option<u32>,
     motion: Option<String>,
     quality: Option<String>,
+    /// The number of times that a magnified picture has the size of the scene's.
+    factor: u32,
     x: u32,
     y: u32,
     line: usize,
@@ -121,6 +123,24 @@ pub(super) async fn picture(
     Query(asked): Query<Asked>,
 ) -> Result<Response, Refusal> {
     draw(&desk, &drawings, &asked).await.map(png)
+}
+
+/// Returns the picture for a screen with more pixels than it has; nothing if there is none.
+pub(super) async fn magnified(
+    State(App { desk, drawings, .. }): State<App>,
+    Query(asked): Query<Asked>,
+) -> Result<Response, Refusal> {
+    let (scene, view, factor) = (asked.scene(&desk)?, asked.view()?, asked.factor);
+    let key = format!("{} {view:?} times {factor}", asked.revision);
+    let draw = move |cancel: &_| {
+        let picture = view.magnified(&scene, factor, cancel)?;
+        Ok(picture.unwrap_or_default())
+    };
+    let picture = drawings.get(key, draw).await?;
+    Ok(match picture.is_empty() {
+        true => StatusCode::NO_CONTENT.into_response(),
+        false => png(picture),
+    })
 }
 
 /// The path of a geometry in the scene.

@@ -65,6 +65,7 @@ impl App {
             .route("/parts", get(parts::list).post(parts::change))
             .route("/move", post(pictures::shift))
             .route("/picture", get(pictures::picture))
+            .route("/magnified", get(pictures::magnified))
             .route("/pixel", get(pictures::pixel))
             .route("/why", get(pictures::why))
             .route("/outline", get(pictures::outline))

@@ -66,6 +66,15 @@ impl Camera {
         }
     }
 
+    /// Returns the camera for a picture of `factor` times the size that shows the same: each pixel is divided
+    /// into equal ones. `None` if there is none.
+    pub(crate) fn magnified(&self, width: u32, height: u32, factor: u32) -> Option<Self> {
+        match self {
+            Self::Perspective(_) => Some(*self),
+            Self::Orthographic(camera) => camera.magnified(width, height, factor).map(Self::from),
+        }
+    }
+
     /// The eye e.
     pub const fn eye(&self) -> DVec3 {
         self.basis().eye
@@ -113,5 +122,44 @@ impl From<PerspectiveCamera> for Camera {
 impl From<OrthographicCamera> for Camera {
     fn from(camera: OrthographicCamera) -> Self {
         Self::Orthographic(camera)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn magnified_pixels_have_the_centers_of_their_pixel() {
+        let (eye, gaze, up) = (
+            DVec3::new(1.0, 2.0, 9.0),
+            DVec3::new(0.1, -0.2, -1.0),
+            DVec3::Y,
+        );
+        let square = OrthographicCamera::with_square_pixels(eye, gaze, up, 4.0).unwrap();
+        let stretched = OrthographicCamera::new(eye, gaze, up, 4.0).unwrap();
+        let perspective = PerspectiveCamera::new(eye, gaze, up, 0.5).unwrap();
+        for (camera, (width, height)) in [
+            (Camera::from(perspective), (7, 5)),
+            (square.into(), (7, 5)),
+            (square.into(), (4, 1)),
+            (stretched.into(), (6, 6)),
+        ] {
+            for factor in [1, 3, 5] {
+                let magnified = camera.magnified(width, height, factor).unwrap();
+                for (x, y) in [(0, 0), (width - 1, 0), (1, height - 1)] {
+                    let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
+                    let middle = |part: u32| f64::from(part * factor + factor / 2);
+                    let size = (width * factor, height * factor);
+                    let other = magnified.ray_for(size.0, size.1, middle(x), middle(y));
+                    assert!(
+                        (ray.origin() - other.origin()).length() < 1e-13,
+                        "{camera:?}"
+                    );
+                    assert!((ray.direction() - other.direction()).length() < 1e-13);
+                }
+            }
+        }
+        assert_eq!(Camera::from(stretched).magnified(7, 5, 3), None);
     }
 }

@@ -100,6 +100,20 @@ impl OrthographicCamera {
         sy * self.basis.v
     }
 
+    /// Returns the camera for a picture of `factor` times the size that shows the same; `None` if one scale
+    /// cannot span both of its sides.
+    pub(crate) fn magnified(&self, width: u32, height: u32, factor: u32) -> Option<Self> {
+        // The scale ends in the middle of the outermost pixels, which become smaller.
+        let ratio = |side: u32| {
+            let steps = pixels(side) * f64::from(factor);
+            Some(pixels(side.checked_mul(factor)?) / steps)
+        };
+        let down = ratio(height)?;
+        let across = if self.stretch { ratio(width)? } else { down };
+        let scale = self.scale * down;
+        (across == down && scale.is_finite()).then_some(Self { scale, ..*self })
+    }
+
     /// Returns the number of pixels that the scale spans horizontally.
     pub(crate) fn pixels_across(&self, width: u32, height: u32) -> f64 {
         pixels(if self.stretch { width } else { height })

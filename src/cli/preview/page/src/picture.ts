@@ -2,6 +2,7 @@
 
 import { get, type Query, Refused, type SceneState } from "./api.ts";
 import { element, Latest, showImage } from "./page.ts";
+import { Sharp } from "./sharp.ts";
 
 /** The time in milliseconds above which a coarse picture comes first. */
 const SLOW = 80;
@@ -40,6 +41,7 @@ export class Picture {
   private readonly moving = new Latest<Motion>((motion) => this.drawMoving(motion));
   private readonly frame = element("frame");
   private readonly canvas = element("canvas");
+  private readonly sharp = new Sharp();
 
   constructor(
     private readonly onDrawn: () => void,
@@ -87,6 +89,7 @@ export class Picture {
     this.abort = new AbortController();
     const { signal } = this.abort;
     this.isDrawing = true;
+    this.sharp.stop();
     this.setState();
     const steps = [
       ...(this.image.hasAttribute("src") ? [] : ["coarse"]),
@@ -99,8 +102,8 @@ export class Picture {
         const blob = await (await get("/picture", { ...this.query(), quality }, signal)).blob();
         if (signal.aborted) return;
         await showImage(this.image, blob);
-        this.layOut();
         if (quality === "full") this.finish(blob, performance.now() - start);
+        this.layOut();
       }
     } catch (error) {
       // A scene that has changed meanwhile is drawn again.
@@ -133,6 +136,7 @@ export class Picture {
     this.motion = motion;
     element("outline").hidden = true;
     this.isDrawing = true;
+    this.sharp.stop();
     this.setState();
     this.moving.push(motion);
   }
@@ -143,7 +147,9 @@ export class Picture {
     this.abort.abort();
     const quality = this.duration > 4 * SLOW ? "coarse" : "single";
     const blob = await (await get("/picture", { ...this.query(motion), quality })).blob();
-    if (this.motion !== STILL) await showImage(this.image, blob);
+    if (this.motion === STILL) return;
+    await showImage(this.image, blob);
+    this.layOut();
   }
 
   /** Forgets the movement, which is in the text now. */
@@ -176,6 +182,10 @@ export class Picture {
     style.setProperty("--width", length(scene.width));
     style.setProperty("--height", length(scene.height));
     dataset["scale"] = this.zoom === 0 ? "smooth" : "exact";
+    const factor = Math.ceil(fit * devicePixelRatio);
+    const isCompared = (dataset["mode"] ?? "off") !== "off";
+    const isLarger = this.zoom === 0 && factor > 1 && !isCompared && !this.isDrawing;
+    this.sharp.want(isLarger ? { ...this.query(), factor } : null);
   }
 
   /** Zooms, and keeps a point of the window where it is. */
