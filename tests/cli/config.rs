@@ -127,7 +127,8 @@ fn exclusions_apply_only_to_folders() {
 
 #[test]
 fn forms_and_limits_are_those_of_the_first_path() {
-    let folder = folder("output-format = \"short\"\nmax-diagnostics = 1\n");
+    // A whole number may be written as a float.
+    let folder = folder("output-format = \"short\"\nmax-diagnostics = 1.0\n");
     folder.write("in/a.ron", "(camera: 1, geometries: [], lights: 2)");
     let done = strahl(&folder, "validate in/a.ron");
     assert_eq!(stdout(&done).lines().count(), 2, "{}", stdout(&done));
@@ -196,6 +197,10 @@ fn every_fault_is_one_line_with_its_position() {
         (
             "max-diagnostics = -1",
             "1:19: expected a number of 0 or more, found `-1`",
+        ),
+        (
+            "max-diagnostics = 1.5",
+            "1:19: expected a number of 0 or more, found `1.5`",
         ),
         (
             "allow-outside = 1",

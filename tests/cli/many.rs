@@ -213,6 +213,13 @@ fn a_row_of_a_table_is_the_same_as_set() {
             fs::remove_file(folder.path("x_blue.png")).unwrap();
         }
     }
+    // A whole number may be written as a float, as a table program does.
+    folder.write("w.csv", "id,image.width\nwhole,8.0\n");
+    folder.write("w.jsonl", "{\"id\": \"whole\", \"image.width\": 8.0}\n");
+    for table in ["w.csv", "w.jsonl"] {
+        drawn(&folder, &["scene.ron", "--params", table, "-o", "{id}.png"]);
+        fs::remove_file(folder.path("whole.png")).unwrap();
+    }
     // Without an `id` column, the id is the row number.
     folder.write("n.csv", "camera.fov\n60\n70\n");
     drawn(

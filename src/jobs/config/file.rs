@@ -127,9 +127,15 @@ impl Reader {
     }
 
     fn max_diagnostics(&mut self, value: &Value<'_>) -> Result<(), Fault> {
-        let number = value.get_ref().as_integer();
-        let number =
-            number.and_then(|number| usize::from_str_radix(number.as_str(), number.radix()).ok());
+        let integer = value.get_ref().as_integer();
+        let integer = integer.map(|number| usize::from_str_radix(number.as_str(), number.radix()));
+        // A whole number may be written as a float, as in a scene.
+        let float = value.get_ref().as_float();
+        let whole =
+            float.and_then(|number| number.as_str().trim_end_matches('0').strip_suffix('.'));
+        let number = integer
+            .or_else(|| whole.map(str::parse))
+            .and_then(Result::ok);
         let wrong = || wrong(value, "a number of 0 or more");
         self.config.max_diagnostics = Some(number.ok_or_else(wrong)?);
         Ok(())
@@ -187,6 +193,7 @@ fn string<'v>(value: &'v Value<'_>) -> Result<&'v str, Fault> {
 fn wrong(value: &Value<'_>, expected: &str) -> Fault {
     let found = match value.get_ref() {
         DeValue::Integer(number) => quote(&number.to_string()),
+        DeValue::Float(number) => quote(&number.to_string()),
         DeValue::Array(_) => "an array".to_owned(),
         other => format!("a {}", other.type_str()),
     };
