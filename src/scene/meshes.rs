@@ -139,6 +139,7 @@ fn open(
     let request = Request {
         colors: wanted.colors,
         value: wanted.value.as_deref(),
+        cancel: options.canceller(),
     };
     let file = options.until_cancelled(file);
     let read = MeshFile::read(file, length, format, &request);

@@ -4,7 +4,7 @@ use crate::scene::{
     mesh_file::{
         Flaw, MeshFile,
         place::Place,
-        polygon::{Fan, Polygon},
+        polygon::{self, Fan, Polygon},
         push,
     },
     table::{Fault, ReadError},
@@ -47,10 +47,38 @@ impl MeshFile {
                 push(&mut self.triangles, [*first, *second, *third], "triangles")?;
             }
         }
+        if rest.len() == 3 && self.is_plain(corners) {
+            return self.skip_check(face.first);
+        }
         if rest.len() > 2 && !self.cut(face) {
             push(&mut self.early, face, "faces before their vertices")?;
         }
         Ok(())
+    }
+
+    /// Returns true if four corners need no closer look.
+    #[inline(always)]
+    fn is_plain(&self, corners: &[u32]) -> bool {
+        let corner = |index: &u32| self.vertices.get(*index as usize).copied();
+        let [a, b, c, d] = corners else {
+            return false;
+        };
+        match [a, b, c, d].map(corner) {
+            [Some(a), Some(b), Some(c), Some(d)] => polygon::is_plain([a, b, c, d]),
+            _ => false,
+        }
+    }
+
+    /// Notes that two triangles have an area.
+    #[inline(always)]
+    fn skip_check(&mut self, first: usize) -> Result<(), ReadError> {
+        match self.with_area.last_mut() {
+            Some(run) if run.end == first => {
+                run.end += 2;
+                Ok(())
+            }
+            _ => push(&mut self.with_area, first..first + 2, "faces"),
+        }
     }
 
     #[cold]
@@ -92,7 +120,7 @@ impl MeshFile {
                 ..=MOST_CORNERS => {
                     let polygon = Polygon::new(&fan.project(&self.corners));
                     self.work = self.work.saturating_add(polygon.work());
-                    (self.work <= MOST_WORK).then(|| polygon.cut())
+                    (self.work <= MOST_WORK).then(|| polygon.cut(self.cancel.as_ref()))
                 }
                 _ => None,
             };

@@ -14,18 +14,23 @@ mod ply;
 mod ply_row;
 mod polygon;
 mod stl;
+mod stl_facet;
 mod stl_text;
 mod stream;
 #[cfg(test)]
 mod tests;
 
-use std::io::{self, Read};
+use std::{
+    io::{self, Read},
+    ops::Range,
+};
 
 use glam::DVec3;
 
 pub(crate) use flaw::{Flaw, Note};
 
 use crate::{
+    parallel::Cancel,
     scene::{
         mesh_file::{face::Early, place::Place, stream::Stream},
         table::{Fault, Names, ReadError},
@@ -72,6 +77,8 @@ pub(crate) struct Request<'a> {
     pub(crate) colors: bool,
     /// The name of the property whose values determine the colors.
     pub(crate) value: Option<&'a str>,
+    /// Ends the reading early; the file fails then as well.
+    pub(crate) cancel: Option<&'a Cancel>,
 }
 
 /// The contents of a mesh file.
@@ -95,6 +102,10 @@ pub(crate) struct MeshFile {
     not_finite: Vec<(u32, NotFinite)>,
     /// The faces of more than three corners that come before their vertices.
     early: Vec<Early>,
+    /// The triangles that have an area for certain.
+    with_area: Vec<Range<usize>>,
+    /// Ends the reading. What was read is of no use then.
+    cancel: Option<Cancel>,
     /// The work that went into cutting polygons.
     work: u64,
     /// The corners of a face.
@@ -124,10 +135,23 @@ impl MeshFile {
         let mut mesh = match format {
             Format::Ply => ply::read(file, request)?,
             Format::Obj => obj::read(file, request)?.with_coordinates(request)?,
-            Format::Stl => stl::read(file, length)?.with_coordinates(request)?,
+            Format::Stl => stl::read(file, length, request)?.with_coordinates(request)?,
         };
         mesh.check(format)?;
         Ok(mesh)
+    }
+
+    fn new(request: &Request) -> Self {
+        Self {
+            cancel: request.cancel.cloned(),
+            ..Self::default()
+        }
+    }
+
+    /// Fails once cancelled.
+    fn ask(&self) -> io::Result<()> {
+        let cancel = self.cancel.as_ref();
+        cancel.map_or(Ok(()), |cancel| cancel.check().map_err(io::Error::other))
     }
 
     /// Gives the vertices of a file that has only coordinates their values.
@@ -258,6 +282,7 @@ impl MeshFile {
     /// a face has them, for triangles, and for those without area.
     fn check(&mut self, format: Format) -> Result<(), ReadError> {
         for face in std::mem::take(&mut self.early) {
+            self.ask()?;
             self.cut(face);
         }
         self.check_numbers()?;
@@ -279,12 +304,25 @@ impl MeshFile {
             };
             !is_direction((b - a).cross(c - a))
         };
-        let mut degenerate = self.triangles.iter().enumerate();
-        let mut degenerate = degenerate.by_ref().filter(|(_, each)| is_degenerate(each));
-        let Some((first, _)) = degenerate.next() else {
+        let runs = self.with_area.iter();
+        let starts = [0].into_iter().chain(runs.clone().map(|run| run.end));
+        let ends = runs.map(|run| run.start).chain([self.triangles.len()]);
+        let (mut first, mut count) = (None, 0);
+        for (start, end) in starts.zip(ends) {
+            let unknown = self.triangles.get(start..end).unwrap_or_default();
+            for (number, triangle) in (start..).zip(unknown) {
+                if number % 4096 == 0 {
+                    self.ask()?;
+                }
+                if is_degenerate(triangle) {
+                    first.get_or_insert(number);
+                    count += 1;
+                }
+            }
+        }
+        let Some(first) = first else {
             return Ok(());
         };
-        let count = 1 + degenerate.count();
         let fault = Fault::new(format!("triangle {first} has no area and is never hit"));
         self.notes.push(Note {
             flaw: Flaw::Degenerate,

@@ -57,7 +57,7 @@ const SKIPPED: [&[u8]; 33] = [
 pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
     file.skip_mark()?;
     let mut reader = Reader {
-        mesh: MeshFile::default(),
+        mesh: MeshFile::new(request),
         has_colors: request.colors && request.value.is_none(),
         first_white: None,
         whites: 0,

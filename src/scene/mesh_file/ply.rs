@@ -59,7 +59,7 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let of_face = of_face.filter(|_| !has_strips);
     let mut mesh = MeshFile {
         names: selection.names.clone(),
-        ..MeshFile::default()
+        ..MeshFile::new(request)
     };
     let mut reader = Reader {
         encoding: header.encoding,

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3};
 
-use crate::tracer::vector::is_direction;
+use crate::{parallel::Cancel, tracer::vector::is_direction};
 
 /// The fan of a face around its first corner.
 pub(super) struct Fan {
@@ -30,6 +30,23 @@ const FLAT: f64 = 0.02;
 /// How thick a face of four corners may be: a square with a fold of 35 degrees. Those of curved surfaces
 /// are never quite flat.
 const BENT: f64 = 0.15;
+
+/// How thick it may be without a closer look.
+const SURELY: f64 = 0.149;
+
+/// Returns true for four corners whose fan is right and flat and has no triangle without area: most
+/// that are, and only those.
+#[inline(always)]
+pub(super) fn is_plain([a, b, c, d]: [DVec3; 4]) -> bool {
+    let (middle, end) = (c - a, d - a);
+    let start = b - a;
+    let [first, second] = [start.cross(middle), middle.cross(end)];
+    let normal = first + second;
+    // The others are in a plane that is parallel to the normal.
+    let height = start.dot(second);
+    let most = SURELY * SURELY * normal.dot(normal) * middle.dot(middle);
+    first.dot(second) > 0.0 && height * height < most && is_direction(first) && is_direction(second)
+}
 
 impl Fan {
     /// Returns the fan of at least three corners, unless they have no area.
@@ -162,8 +179,8 @@ impl Polygon {
     }
 
     /// Cuts the polygon into triangles, two less than its corners; `None` if they overlap, because
-    /// edges cross.
-    pub(super) fn cut(mut self) -> Option<Vec<[usize; 3]>> {
+    /// edges cross, or once cancelled.
+    pub(super) fn cut(mut self, cancel: Option<&Cancel>) -> Option<Vec<[usize; 3]>> {
         let mut left = self.corners.len();
         let mut triangles = Vec::with_capacity(left);
         let mut painted = 0.0;
@@ -173,6 +190,9 @@ impl Polygon {
             while left >= 3
                 && let Some(tip) = queue.pop_front()
             {
+                if cancel.is_some_and(Cancel::is_cancelled) {
+                    return None;
+                }
                 let Corner { before, after, .. } = self.corners[tip];
                 let is_last = left == 3;
                 if self.corners[tip].is_cut || !(is_last || self.is_ear(tip, ear)) {
@@ -274,7 +294,7 @@ mod tests {
         let points = fan.project(corners);
         let polygon = Polygon::new(&points);
         let whole = polygon.area;
-        let triangles = polygon.cut().expect("no edges cross");
+        let triangles = polygon.cut(None).expect("no edges cross");
         assert_eq!(triangles.len(), corners.len() - 2);
         let areas = triangles.iter().map(|each| area(each.map(|at| points[at])));
         assert!(areas.clone().all(|area| area >= -1e-9 * whole));
@@ -397,7 +417,7 @@ mod tests {
             let corners = flat(&points);
             let fan = Fan::of(&corners).unwrap();
             assert!(!fan.is_right);
-            assert_eq!(Polygon::new(&fan.project(&corners)).cut(), None);
+            assert_eq!(Polygon::new(&fan.project(&corners)).cut(None), None);
         }
     }
 

@@ -11,7 +11,8 @@ use glam::DVec3;
 
 use crate::scene::{
     mesh_file::{
-        Flaw, MeshFile, join::Joined, place::Place, push, reserve, stl_text, stream::Stream,
+        Flaw, MeshFile, Request, join::Joined, place::Place, push, reserve, stl_text,
+        stream::Stream,
     },
     table::{Fault, ReadError, bytes::BYTE_ORDER_MARK},
 };
@@ -23,17 +24,22 @@ const HEADER: usize = COMMENT + 4;
 /// The length of a triangle: a normal, three corners and two more bytes.
 const TRIANGLE: usize = 12 * 4 + 2;
 
-pub(super) fn read(mut file: Stream<impl Read>, length: u64) -> Result<MeshFile, ReadError> {
+pub(super) fn read(
+    mut file: Stream<impl Read>,
+    length: u64,
+    request: &Request,
+) -> Result<MeshFile, ReadError> {
     file.have(HEADER)?;
     let head = file.bytes().get(..HEADER).unwrap_or(file.bytes());
     let count = head.get(COMMENT..).and_then(|bytes| bytes.first_chunk());
     let count = count.map(|bytes| u32::from_le_bytes(*bytes));
     let expected = |count: u32| HEADER as u64 + u64::from(count) * TRIANGLE as u64;
+    let mesh = MeshFile::new(request);
     match count {
         // Some programs start a binary file with `solid` as well, so its length decides first.
-        Some(count) if expected(count) == length => binary(file, count as usize),
-        _ if is_text(head) => stl_text::read(file),
-        Some(count) if expected(count) < length => binary(file, count as usize),
+        Some(count) if expected(count) == length => binary(file, count as usize, mesh),
+        _ if is_text(head) => stl_text::read(file, mesh),
+        Some(count) if count > 0 && expected(count) < length => binary(file, count as usize, mesh),
         Some(count) => {
             let expected = expected(count);
             let fault = Fault::new(format!(
@@ -57,8 +63,11 @@ fn is_text(head: &[u8]) -> bool {
         && !head.iter().any(is_control)
 }
 
-fn binary(mut file: Stream<impl Read>, count: usize) -> Result<MeshFile, ReadError> {
-    let mut mesh = MeshFile::default();
+fn binary(
+    mut file: Stream<impl Read>,
+    count: usize,
+    mut mesh: MeshFile,
+) -> Result<MeshFile, ReadError> {
     reserve(&mut mesh.triangles, count)?;
     let mut joined = Joined::default();
     file.skip(HEADER, 0);

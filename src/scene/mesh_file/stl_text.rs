@@ -9,7 +9,15 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, MeshFile, join::Joined, number, place::Place, push, stream::Stream},
+        mesh_file::{
+            Flaw, MeshFile,
+            join::Joined,
+            number,
+            place::Place,
+            push,
+            stl_facet::{Facet, is_like_a_number},
+            stream::Stream,
+        },
         table::{Fault, ReadError, bytes::LONGEST_LINE},
     },
     text::nearest::{list, quote},
@@ -50,7 +58,8 @@ fn expected(state: State) -> String {
     list(&names)
 }
 
-fn is(word: &[u8], keyword: &str) -> bool {
+#[inline(always)]
+pub(super) fn is(word: &[u8], keyword: &str) -> bool {
     word.eq_ignore_ascii_case(keyword.as_bytes())
 }
 
@@ -65,10 +74,10 @@ fn keyword(word: &[u8], has_end: bool) -> Option<&'static str> {
     }
 }
 
-pub(super) fn read(mut file: Stream<impl Read>) -> Result<MeshFile, ReadError> {
+pub(super) fn read(mut file: Stream<impl Read>, mesh: MeshFile) -> Result<MeshFile, ReadError> {
     file.skip_mark()?;
     let mut reader = Reader {
-        mesh: MeshFile::default(),
+        mesh,
         joined: Joined::default(),
         corners: Vec::new(),
         state: State::Outside,
@@ -79,7 +88,20 @@ pub(super) fn read(mut file: Stream<impl Read>) -> Result<MeshFile, ReadError> {
         may_skip_numbers: false,
         vertex: None,
     };
-    while let Some((line, word)) = file.word()? {
+    loop {
+        // All state between facets is that of the solid, where a line ends its name and comments.
+        while reader.state == State::Solid && !reader.has_end {
+            file.have(Facet::USUAL)?;
+            let line_end = file.line_end()?;
+            let Some(facet) = Facet::parse(file.bytes(), line_end) else {
+                break;
+            };
+            reader.facet(&facet, file.lines() + 1)?;
+            file.skip(facet.length, facet.ends);
+        }
+        let Some((line, word)) = file.word()? else {
+            break;
+        };
         reader.word(line, word)?;
     }
     reader.finish()
@@ -142,7 +164,7 @@ impl Reader {
             }
         }
         self.naming = None;
-        if self.may_skip_numbers && (number(word).is_some() || is(word, "normal")) {
+        if self.may_skip_numbers && (is_like_a_number(word) || is(word, "normal")) {
             return Ok(());
         }
         if !self.has_end && is(word, "end") {
@@ -178,6 +200,19 @@ impl Reader {
             None if self.state == State::Loop && is(word, "loop") => Ok(()),
             _ => self.keyword(line, word, keyword),
         }
+    }
+
+    /// Adds a whole facet, behind the end of this line.
+    #[inline]
+    fn facet(&mut self, facet: &Facet, line: u64) -> Result<(), ReadError> {
+        (self.naming, self.skipped, self.may_skip_numbers) = (None, None, false);
+        let mut corners = [0; 3];
+        for (corner, (at, ends)) in corners.iter_mut().zip(facet.corners) {
+            let place = Place::line(line + ends);
+            let at = DVec3::from_array(at);
+            *corner = self.joined.vertex(at, &mut self.mesh, place)?;
+        }
+        push(&mut self.mesh.triangles, corners, "triangles")
     }
 
     fn keyword(

@@ -55,6 +55,11 @@ impl<R: Read> Stream<R> {
         self.position
     }
 
+    /// The number of lines before the rest.
+    pub(super) const fn lines(&self) -> u64 {
+        self.lines
+    }
+
     /// Reads the next piece; returns false at the end.
     pub(super) fn more(&mut self) -> Result<bool, ReadError> {
         if self.left == 0 {
@@ -75,6 +80,7 @@ impl<R: Read> Stream<R> {
     }
 
     /// Reads until `count` bytes of the rest have been read; returns false if it is shorter.
+    #[inline(always)]
     pub(super) fn have(&mut self, count: usize) -> Result<bool, ReadError> {
         while self.bytes().len() < count {
             if !self.more()? {
@@ -102,7 +108,7 @@ impl<R: Read> Stream<R> {
     }
 
     /// Returns the byte that ends the lines of a text: LF, or CR if the first piece has no other.
-    fn line_end(&mut self) -> Result<u8, ReadError> {
+    pub(super) fn line_end(&mut self) -> Result<u8, ReadError> {
         if let Some(end) = self.line_end {
             return Ok(end);
         }

@@ -24,6 +24,7 @@ fn try_read(bytes: &[u8], format: Format, value: Option<&str>) -> Result<MeshFil
     let request = Request {
         colors: true,
         value,
+        ..Request::default()
     };
     let read = MeshFile::read(bytes, bytes.len() as u64, format, &request);
     read.map_err(|error| match error {

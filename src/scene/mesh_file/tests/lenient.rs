@@ -5,9 +5,13 @@ use std::fmt::Write as _;
 use glam::DVec3;
 
 use crate::{
-    scene::mesh_file::{
-        Format, MeshFile,
-        tests::{ENCODINGS, Shape, faults, read, try_read},
+    parallel::Cancel,
+    scene::{
+        mesh_file::{
+            Format, MeshFile, Request,
+            tests::{ENCODINGS, Shape, faults, read, try_read},
+        },
+        table::ReadError,
     },
     tracer::random::Rng,
 };
@@ -357,4 +361,84 @@ fn lines_may_end_with_cr() {
         faults(b"v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 4\r", Format::Obj),
         ["line 4: vertex 4 does not exist, the file has 3, 1 to 3"]
     );
+    let ply = "ply\rformat ascii 1.0\relement vertex 3\rproperty float x\rproperty float y\rproperty \
+               float z\relement face 1\rproperty list uchar int vertex_indices\rend_header\r\
+               0 0 0\r1 0 0\r\r0 1 0\r3 0 1 2\r";
+    assert_eq!(read(ply.as_bytes(), Format::Ply).triangles, [[0, 1, 2]]);
+    assert_eq!(
+        faults(ply.replace("3 0 1 2", "3 0 1 x").as_bytes(), Format::Ply),
+        ["face 0 (line 14): `x` is not a number of its type"]
+    );
+}
+
+#[test]
+fn triangles_that_the_header_of_stl_does_not_count_are_refused() {
+    let mut stl = [0; 84 + 50];
+    stl[..4].copy_from_slice(b"made");
+    assert_eq!(
+        faults(&stl, Format::Stl),
+        [
+            "as a binary STL file, its header says 0 triangles in 84 bytes, found 134 bytes; a text \
+          starts with `solid`"
+        ]
+    );
+}
+
+#[test]
+fn usual_facets_are_those_of_single_words() {
+    let usual = "solid facet x\nfacet normal 0 0 nan\n outer loop\n  vertex 0 0 0\n  \
+                 vertex 1 0 0\r\n  vertex 0 1e0 -0\n endloop\nendfacet\nFACET Normal -1 0 .5\nouter \
+                 loop vertex 1 0 0 vertex 0 0 0\n\n\nvertex 0 0 1e999 endloop\nendfacet\n\
+                 facet normal 1 1 1 outer loop vertex 0 0 0 vertex 0 1 0 vertex 0 0 1 endloop endfacet\n\
+                 endsolid\n";
+    for text in [
+        usual.to_owned(),
+        usual.replace("\r\n", "\n").replace('\n', "\r"),
+    ] {
+        let (mesh, faults) = (
+            try_read(text.as_bytes(), Format::Stl, None).unwrap(),
+            faults(text.as_bytes(), Format::Stl),
+        );
+        assert_eq!(mesh.triangles, [[0, 1, 2], [1, 0, 3], [0, 2, 4]]);
+        assert_eq!(mesh.groups[0].name, "facet x");
+        let place = "line 13, coordinate `z`";
+        assert_eq!(
+            faults,
+            [format!("{place}: expected a finite number, found `inf`")]
+        );
+        // Words of two parts are not usual.
+        let odd = text.replace("endloop", "end loop");
+        let (other, same) = (
+            try_read(odd.as_bytes(), Format::Stl, None).unwrap(),
+            self::faults(odd.as_bytes(), Format::Stl),
+        );
+        assert_eq!(
+            (other.triangles, other.vertices, same),
+            (mesh.triangles, mesh.vertices, faults)
+        );
+    }
+}
+
+#[test]
+fn plain_faces_are_fans_with_an_area() {
+    // The second has a triangle without area, and the third comes before its last vertex.
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 1 3 4\nf 1 2 3 5\nv -1 2 0\n\
+                f 4 3 2 1\nf 4 4 4\n";
+    let (mesh, warnings) = warned(text.as_bytes(), Format::Obj);
+    assert_eq!(mesh.triangles.len(), 9);
+    assert_eq!(warnings, ["triangle 2 has no area and is never hit (2)"]);
+}
+
+#[test]
+fn cancelled_cuts_end() {
+    let cancel = Cancel::new();
+    cancel.cancel();
+    let request = Request {
+        cancel: Some(&cancel),
+        ..Request::default()
+    };
+    let concave = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\n";
+    let (length, format) = (concave.len() as u64, Format::Obj);
+    let read = MeshFile::read(concave.as_bytes(), length, format, &request);
+    assert!(matches!(read, Err(ReadError::Io(_))));
 }

@@ -1,6 +1,6 @@
 //! The elements as text, one line per row.
 
-use std::{iter::Enumerate, str::Lines};
+use std::{iter::Enumerate, str::Split};
 
 use crate::{
     scene::table::{
@@ -31,7 +31,7 @@ pub(super) fn read(
         ))
     })?;
     let mut lines = Text {
-        lines: body.lines().enumerate(),
+        lines: body.split(header.line_end).enumerate(),
         before: header.lines + 1,
     };
     let mut rows = Rows::new();
@@ -73,7 +73,7 @@ pub(super) fn read(
 
 /// The nonempty lines with their numbers.
 struct Text<'a> {
-    lines: Enumerate<Lines<'a>>,
+    lines: Enumerate<Split<'a, char>>,
     before: u64,
 }
 

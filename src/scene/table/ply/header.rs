@@ -67,6 +67,8 @@ pub(crate) struct Header {
     pub(crate) end: usize,
     /// The number of lines.
     pub(crate) lines: u64,
+    /// The last character of a line.
+    pub(crate) line_end: char,
 }
 
 impl Header {
@@ -168,6 +170,7 @@ impl Header {
             elements,
             end: lines.at,
             lines: lines.count,
+            line_end: char::from(lines.line_end),
         }))
     }
 }
@@ -205,23 +208,30 @@ struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
     count: u64,
+    /// LF, or CR if the first line has no other end.
+    line_end: u8,
 }
 
 impl<'a> Lines<'a> {
     /// Skips a byte order mark, and whatever is behind the longest header.
     fn new(bytes: &'a [u8]) -> Self {
-        let has_mark = bytes.starts_with(BYTE_ORDER_MARK);
+        let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+        let line_end = match text {
+            [b'p', b'l', b'y', b'\r', next, ..] if *next != b'\n' => b'\r',
+            _ => b'\n',
+        };
         Self {
             bytes: bytes.get(..LONGEST).unwrap_or(bytes),
-            at: if has_mark { BYTE_ORDER_MARK.len() } else { 0 },
+            at: bytes.len() - text.len(),
             count: 0,
+            line_end,
         }
     }
 
     /// Returns the next line, without its end; `None` if it is incomplete.
     fn next(&mut self) -> Option<&'a [u8]> {
         let rest = self.bytes.get(self.at..)?;
-        let end = rest.iter().position(|byte| *byte == b'\n')?;
+        let end = rest.iter().position(|byte| *byte == self.line_end)?;
         self.at += end + 1;
         self.count += 1;
         let line = rest.get(..end)?;

@@ -314,12 +314,14 @@ fn parts_of_a_file_are_rejected() {
 }
 
 #[test]
-fn lines_may_end_with_crlf() {
+fn lines_may_end_with_crlf_or_cr() {
     let text = "ply\r\nformat ascii 1.0\r\nelement vertex 2\r\nproperty float x\r\nproperty float \
                 y\r\nproperty float z\r\nend_header\r\n1 2 3\r\n\r\n4 5 6\r\n";
     let (radius, color) = (DEFAULTS.radius.unwrap(), DEFAULTS.color.unwrap());
     let expected = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]].map(|center| (center, radius, color));
-    assert_eq!(rows(text.as_bytes(), Format::Ply), Ok(expected.to_vec()));
+    for text in [text.to_owned(), text.replace("\r\n", "\r")] {
+        assert_eq!(rows(text.as_bytes(), Format::Ply), Ok(expected.to_vec()));
+    }
 }
 
 #[test]
