@@ -6,6 +6,7 @@ mod eye;
 mod field;
 mod geometry;
 mod instances;
+mod inward;
 mod light;
 mod material;
 mod names;
@@ -38,7 +39,7 @@ use crate::{
         problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
-        validate::material::both,
+        validate::{inward::Inward, material::both},
     },
     text::nearest::{list, nearest, quote},
 };
@@ -111,6 +112,8 @@ pub(crate) fn problems(
     let mut duplicates = Duplicates::of(model);
     let materials: HashSet<_> = model.names_of_materials().collect();
     let mut leaves = world.leaves().peekable();
+    let warns_of_inward = aspects.levels.severity(Code::OddMesh).is_some();
+    let mut inward = warns_of_inward.then(|| Inward::new(model));
     // The end of the last solid with operands.
     let mut parts_until = Ordinal::default();
     for (at, geometry) in model.walk() {
@@ -129,6 +132,11 @@ pub(crate) fn problems(
         found.surface(geometry, model, &materials, (at, is_part), stand_ins);
         match geometry {
             GeometryModel::Instances(instances) => copies.push((at, &**instances)),
+            GeometryModel::Mesh(mesh) => {
+                if let Some(inward) = &mut inward {
+                    found.inward(mesh, at, model, inward);
+                }
+            }
             _ if geometry.operation().is_some() => {
                 if !is_part {
                     let inner = at.inner + geometry.total();
