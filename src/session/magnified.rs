@@ -14,7 +14,8 @@ impl View {
 
     /// Returns a PNG file of the view for a screen with more pixels than the picture: all samples, `factor`
     /// times the size or as large as [`View::LARGEST`] allows. Each pixel of the picture becomes a square of
-    /// pixels. `None` if it would be the picture itself, or for an orthographic camera that stretches its pixels.
+    /// pixels. `None` if it would be the picture itself, for a scene with outlines, and for an orthographic camera
+    /// that stretches its pixels.
     ///
     /// # Errors
     ///
@@ -70,7 +71,7 @@ mod tests {
                     Box(min: (0, -1, -1), max: (2, 0.5, 1), color: \"#0f0\"),
                 ])"
             );
-            let scene = Scene::from_text(text, Syntax::Ron).unwrap();
+            let scene = Scene::from_text(text.as_str(), Syntax::Ron).unwrap();
             let view = View {
                 layer,
                 ..View::default()
@@ -90,7 +91,7 @@ mod tests {
     fn a_magnified_picture_is_bounded() {
         let camera = "Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30)";
         let text = format!("(image: (width: 400, height: 2), camera: {camera}, geometries: [])");
-        let scene = Scene::from_text(text, Syntax::Ron).unwrap();
+        let scene = Scene::from_text(text.as_str(), Syntax::Ron).unwrap();
         let width = |factor| {
             let file = View::default().magnified(&scene, factor, &Cancel::new());
             file.unwrap().map(|file| decoded(&file).width())
@@ -98,5 +99,9 @@ mod tests {
         assert_eq!(width(u32::MAX), Some(4000));
         assert_eq!(width(2), Some(800));
         assert_eq!((width(0), width(1)), (None, None));
+        let outlined = text.replace("camera:", "outlines: (), camera:");
+        let scene = Scene::from_text(outlined, Syntax::Ron).unwrap();
+        let file = View::default().magnified(&scene, 2, &Cancel::new());
+        assert_eq!(file.unwrap(), None);
     }
 }
