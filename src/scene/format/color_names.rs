@@ -2,12 +2,14 @@
 
 use std::str::FromStr;
 
-/// Returns the bytes of a color of CSS: a name, in either case, or `rgb(r, g, b)` with bytes.
+/// Returns the bytes of a color of CSS: a name, in either case, or `rgb(r, g, b)` with bytes. If none is
+/// above 1, they are probably numbers in 0..1, as in POV-Ray.
 pub(crate) fn of_css(text: &str) -> Option<[u8; 3]> {
     if let Some(channels) = text.strip_prefix("rgb(") {
         let channels = channels.strip_suffix(')')?.split(',');
         let channels: Result<Vec<_>, _> = channels.map(|byte| u8::from_str(byte.trim())).collect();
-        return channels.ok()?.try_into().ok();
+        let bytes: [u8; 3] = channels.ok()?.try_into().ok()?;
+        return bytes.iter().any(|byte| *byte > 1).then_some(bytes);
     }
     let name = text.to_ascii_lowercase().replace([' ', '_', '-'], "");
     let at = NAMES.binary_search_by_key(&&*name, |(name, _)| name).ok()?;
@@ -76,6 +78,7 @@ mod tests {
             ("yellowgreen", Some([154, 205, 50])),
             ("rgb(255, 128,0)", Some([255, 128, 0])),
             ("rgb(256, 0, 0)", None),
+            ("rgb(1, 0, 0)", None),
             ("rgb(0.5, 0, 0)", None),
             ("rgb(1, 2)", None),
             ("reddish", None),

@@ -83,6 +83,12 @@ fn values_of_a_field() {
             Some("color: \"#ff8000\""),
         ),
         (
+            "color: rgb(1, 0, 0)",
+            "rgb(1, 0, 0)",
+            "write the three numbers alone, without names: `(1, 0, 0)`",
+            Some("color: (1, 0, 0)"),
+        ),
+        (
             "color: Color(1, 0, 0.5)",
             "Color(1, 0, 0.5)",
             "write the three numbers alone, without names: `(1, 0, 0.5)`",
