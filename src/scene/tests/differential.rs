@@ -276,7 +276,9 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
         // without a fraction is a whole number.
         (Err(fault), Ok(model)) => {
             let document = Document::from_text("large", text, syntax);
-            let is_float = fault.contains("floating point") || fault.contains("Expected comma");
+            let is_float = ["floating point", "Expected comma", "Invalid digit"]
+                .iter()
+                .any(|reason| fault.contains(reason));
             if is_float && !document.has_errors() {
                 let written = convert::convert(model.clone(), syntax).text;
                 let again = oracle::lenient::<Model>(&written, syntax);
