@@ -1,4 +1,4 @@
-//! Checks of solids that are put together from others.
+//! Checks of solids combined from others.
 
 use super::{Found, StandIns};
 use crate::{

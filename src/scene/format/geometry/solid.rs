@@ -1,4 +1,4 @@
-//! The solids of a scene file that are put together from others.
+//! The solids of a scene file combined from others.
 
 use std::{iter, slice, sync::Arc};
 
@@ -26,7 +26,7 @@ use crate::{
     },
 };
 
-/// The kinds of geometries that are solids: first the simple ones, then those that are put together.
+/// The kinds of geometries that are solids: first the simple ones, then the combined ones.
 pub(crate) const SOLIDS: &[&str] = &[
     "Plane",
     "Sphere",
@@ -40,7 +40,7 @@ pub(crate) const SOLIDS: &[&str] = &[
     "Difference",
 ];
 
-/// The solids that are put together from others.
+/// The solids combined from others.
 pub(crate) const COMBINED: &[&str] = SOLIDS.split_at(SOLIDS.len() - 3).1;
 
 /// The fields of solids with the solids inside.
@@ -188,7 +188,7 @@ impl Kind for DifferenceModel {
     }
 }
 
-/// Returns the shape of a solid that is put together from those inside of it.
+/// Returns the shape of a solid combined from those inside of it.
 #[inline(never)]
 fn combined(operation: Operation, solid: &impl Kind) -> Result<Shape, GeometryError> {
     let inside = solid.inside().into_iter().flatten();
@@ -201,7 +201,7 @@ fn combined(operation: Operation, solid: &impl Kind) -> Result<Shape, GeometryEr
 }
 
 impl GeometryModel {
-    /// Returns the surface of each part of a solid that is put together from others, in their order:
+    /// Returns the surface of each part of a solid combined from others, in their order:
     /// its own or that of the innermost solid around it that has one. Of any other geometry, its own.
     pub(crate) fn surfaces(&self) -> Vec<Surface<'_>> {
         let mut found = Vec::new();
@@ -223,7 +223,7 @@ impl GeometryModel {
         operands.for_each(|operand| operand.each_surface(surface, see));
     }
 
-    /// Builds a solid that is put together from others, with the material of each part.
+    /// Builds a solid combined from others, with the material of each part.
     pub(super) fn build_solid(
         &self,
         shape: Shape,

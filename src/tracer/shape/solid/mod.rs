@@ -1,4 +1,4 @@
-//! Solids that are put together from others: their union, intersection or difference.
+//! Solids combined from others: their union, intersection or difference.
 //!
 //! Each part is convex, so the line of a ray has one span inside it. Along the line, the whole is
 //! inside or outside as the operations say of its parts; it is crossed where that changes. Spans that
@@ -31,7 +31,7 @@ use crate::tracer::{
     vector::farthest_along,
 };
 
-/// A solid that is put together from others.
+/// A solid combined from others.
 ///
 /// Its parts are the simple solids in it, from the first to the last. Face `8·p + f` is face `f` of
 /// part `p`. Where a part is cut away, its faces point into it.

@@ -1,4 +1,4 @@
-//! Solids put together, beside what each operation keeps.
+//! Combined solids, beside what each operation keeps.
 
 use glam::DVec3;
 
