@@ -326,21 +326,7 @@ fn add(parts: &mut Vec<Part>, symbol: &Symbol, level: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{session::Session, text::edit::apply};
-    use std::sync::{Arc, mpsc};
-
-    fn checked(text: &str) -> Arc<Checked> {
-        let (send, receive) = mpsc::channel();
-        let options = ReadOptions::new().syntax(Syntax::of_text(text));
-        let _session = Session::new("mine", text, options, move |checked| {
-            let _ = send.send(checked);
-        });
-        receive.recv().unwrap()
-    }
-
-    fn edited(text: &str, edits: &[Edit]) -> String {
-        apply(text, edits.iter().map(std::slice::from_ref)).0
-    }
+    use crate::session::rewrite::tests::{checked, edited};
 
     const TEXT: &str = r##"(
     camera: Fit(), // mine

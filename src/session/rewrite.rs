@@ -256,7 +256,7 @@ fn rounded(number: f64, finest: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::{
         scene::options::ReadOptions,
@@ -265,7 +265,7 @@ mod tests {
     };
     use std::sync::{Arc, mpsc};
 
-    fn checked(text: &str) -> Arc<Checked> {
+    pub(in crate::session) fn checked(text: &str) -> Arc<Checked> {
         let (send, receive) = mpsc::channel();
         let options = ReadOptions::new().syntax(Syntax::of_text(text));
         let _session = Session::new("mine", text, options, move |checked| {
@@ -274,7 +274,7 @@ mod tests {
         receive.recv().unwrap()
     }
 
-    fn edited(text: &str, edits: &[Edit]) -> String {
+    pub(in crate::session) fn edited(text: &str, edits: &[Edit]) -> String {
         apply(text, edits.iter().map(std::slice::from_ref)).0
     }
 
