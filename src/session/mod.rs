@@ -6,6 +6,8 @@ mod magnified;
 mod outline;
 mod parts;
 mod rewrite;
+#[cfg(test)]
+mod tests;
 mod turns;
 mod view;
 

@@ -326,7 +326,7 @@ fn add(parts: &mut Vec<Part>, symbol: &Symbol, level: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::rewrite::tests::{checked, edited};
+    use crate::session::tests::{checked, edited};
 
     const TEXT: &str = r##"(
     camera: Fit(), // mine

@@ -256,27 +256,9 @@ fn rounded(number: f64, finest: f64) -> String {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::{
-        scene::options::ReadOptions,
-        session::Session,
-        text::{edit::apply, syntax::Syntax},
-    };
-    use std::sync::{Arc, mpsc};
-
-    pub(in crate::session) fn checked(text: &str) -> Arc<Checked> {
-        let (send, receive) = mpsc::channel();
-        let options = ReadOptions::new().syntax(Syntax::of_text(text));
-        let _session = Session::new("mine", text, options, move |checked| {
-            let _ = send.send(checked);
-        });
-        receive.recv().unwrap()
-    }
-
-    pub(in crate::session) fn edited(text: &str, edits: &[Edit]) -> String {
-        apply(text, edits.iter().map(std::slice::from_ref)).0
-    }
+    use crate::session::tests::{checked, edited};
 
     fn orbit(right: f64, up: f64) -> View {
         View {
