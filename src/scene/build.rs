@@ -140,20 +140,30 @@ pub(crate) fn geometries(
     })
 }
 
-/// Adds the copies that a scene holds to its tables and parts, which have been read.
-pub(crate) fn add_copies(model: &Model, tables: &mut Tables) {
+/// Adds the copies that a scene holds to its tables and parts, which have been read. `admits` is asked
+/// before each list of copies, with the number of shapes that it is.
+pub(crate) fn add_copies(
+    model: &Model,
+    tables: &mut Tables,
+    admits: impl FnMut(Ordinal, usize) -> bool,
+) {
     let all = model.instances().collect();
-    copy(model, tables, all);
+    copy(model, tables, all, admits);
 }
 
 /// Makes those copies anew after a change of the scene.
 pub(crate) fn renew_copies(model: &Model, tables: &mut Tables) {
     let all = model.instances();
     let all = all.filter(|(at, _)| tables.instances(*at).is_some());
-    copy(model, tables, all.collect());
+    copy(model, tables, all.collect(), |_, _| true);
 }
 
-fn copy(model: &Model, tables: &mut Tables, lists: Vec<(Ordinal, &InstancesModel)>) {
+fn copy(
+    model: &Model,
+    tables: &mut Tables,
+    lists: Vec<(Ordinal, &InstancesModel)>,
+    mut admits: impl FnMut(Ordinal, usize) -> bool,
+) {
     if lists.is_empty() {
         return;
     }
@@ -167,6 +177,10 @@ fn copy(model: &Model, tables: &mut Tables, lists: Vec<(Ordinal, &InstancesModel
         let prototype = built
             .entry(of)
             .or_insert_with(|| prototype(model, tables, of).unwrap_or_default());
+        let inside = prototype.iter().map(|geometry| geometry.shape().total());
+        if !admits(at, inside.fold(1, usize::saturating_add)) {
+            continue;
+        }
         let known = tables.instances(at).filter(|_| named.file.is_some());
         let (columns, rows) = match known {
             Some(known) => (known.columns.clone(), Arc::clone(known.rows())),

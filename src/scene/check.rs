@@ -1,6 +1,7 @@
 //! The check of a text: the fast reader takes it, or the tree reports its faults.
 
 use std::{
+    cell::LazyCell,
     collections::BTreeMap,
     fs::File,
     io::{self, Seek},
@@ -11,7 +12,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels, path::Path},
     parallel::timings::{Stage, Watch},
     scene::{
-        build, files,
+        files,
         format::{
             geometry::{GeometryModel, nesting::Ordinal},
             scene::Model,
@@ -20,7 +21,7 @@ use crate::{
         locate::Locator,
         meshes, nested,
         options::ReadOptions,
-        part::Needs,
+        part::{Needs, Nest},
         problem::{Focus, Problem, Tally},
         read::{self, LARGE},
         recognize::Recognizer,
@@ -140,6 +141,7 @@ impl Found {
             has_copies |= matches!(geometry, GeometryModel::Instances(_));
         }
         let is_wanted = is_known && has_files;
+        let nest = LazyCell::new(|| Nest::of(options));
         let (mut tables, mut needs, mut found) = Default::default();
         if let Some(folder) = options.tables().filter(|_| is_wanted) {
             watch.time(Stage::Read, || {
@@ -147,13 +149,14 @@ impl Found {
                 let (read, problems) = tables::read(&model, &folder, options);
                 tables = read;
                 found.extend(problems);
-                let (of_parts, problems) = nested::read(&model, &mut tables, &folder, options);
+                let (of_parts, problems) =
+                    nested::read(&model, &mut tables, &folder, options, &nest);
                 needs = of_parts;
                 found.extend(problems);
             });
         }
         if has_copies {
-            build::add_copies(&model, &mut tables);
+            found.extend(nested::add_copies(&model, &mut tables, &nest));
         }
         if is_wanted {
             let files = model.walk().filter_map(|(_, geometry)| geometry.file());

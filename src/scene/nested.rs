@@ -31,8 +31,9 @@ use crate::{
 /// The maximum number of parts inside one another.
 const DEEPEST: usize = 32;
 
-/// The maximum number of geometries that are copies, because a part is named again, in all files
-/// together.
+/// The maximum number of geometries that are copies, because a part is named again or `Instances` name
+/// them, in all files together. `Instances` count once, with what they are copies of, since their
+/// copies share it.
 const MOST_COPIES: usize = 1 << 22;
 
 /// The maximum number of such lights.
@@ -44,12 +45,13 @@ pub(super) fn read(
     tables: &mut Tables,
     folder: &Folder<'_>,
     options: &ReadOptions,
+    nest: &Nest,
 ) -> (Needs, Vec<Problem>) {
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let mut reader = Reader {
         folder,
         options,
-        nest: options.nest.clone().unwrap_or_else(|| outermost(options)),
+        nest: nest.clone(),
         needs: Needs::default(),
         total: model.leaves().count().saturating_add(rows),
     };
@@ -61,6 +63,7 @@ pub(super) fn read(
         let place = Place {
             file: &named.file,
             variant: model.path_of(at),
+            is_placed: !model.transforms(at).is_empty(),
         };
         match reader.part(named, &place) {
             Ok(part) => {
@@ -85,20 +88,26 @@ pub(super) fn read(
     (reader.needs, problems)
 }
 
-/// Returns the nest of a scene that is not a part itself.
-fn outermost(options: &ReadOptions) -> Nest {
-    let file = options.file.as_deref().unwrap_or(FilePath::new(""));
-    let found = options.all_files().resolve(file);
-    Nest::default().inside(File {
-        path: found.unwrap_or_default(),
-        folder: PathBuf::new(),
-        name: file.display().to_string().into(),
-        written: file
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into(),
-    })
+/// Adds the copies that a scene holds to its tables and parts, and returns the problems: copies of
+/// copies would take any time, so those of all files count together.
+pub(super) fn add_copies(model: &Model, tables: &mut Tables, nest: &Nest) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    build::add_copies(model, tables, |at, count| {
+        let all = nest.add_copies(count, 0).geometries;
+        // Only the first that are too many are reported.
+        if all > MOST_COPIES && all.saturating_sub(count) <= MOST_COPIES {
+            let message = too_many("these", all, "copies of geometries", MOST_COPIES);
+            let place = model.path_of(at).field("of");
+            let problem = Problem::new(Code::OutOfRange, place, Focus::Value, message);
+            problems.push(problem.help("copy a geometry that holds fewer, such as a mesh"));
+        }
+        all <= MOST_COPIES
+    });
+    problems
+}
+
+fn too_many(named: &str, found: usize, what: &str, most: usize) -> String {
+    format!("with {named} there are {found} {what}, the maximum is {most}")
 }
 
 struct Reader<'a> {
@@ -233,7 +242,7 @@ impl Reader<'_> {
         self.total = self.total.saturating_add(part.count());
         let lights = part.lights.as_ref().filter(|_| shines).map_or(0, Vec::len);
         let copies = match is_copy {
-            true => self.nest.add_copies(part.geometries.len(), lights),
+            true => self.nest.add_copies(part.total(place.is_placed), lights),
             false => Copies::default(),
         };
         for (what, found, most) in [
@@ -242,12 +251,31 @@ impl Reader<'_> {
             ("copies of lights", copies.lights, MOST_LIGHTS),
         ] {
             if found > most {
-                let message =
-                    format!("with this part there are {found} {what}, the maximum is {most}");
+                let message = too_many("this part", found, what, most);
                 return Err(place.problem(Code::InvalidPart, message));
             }
         }
         Ok(())
+    }
+}
+
+impl Nest {
+    /// Returns the nest of a scene: that of the scene that names it as a part, or one of its own.
+    pub(super) fn of(options: &ReadOptions) -> Self {
+        options.nest.clone().unwrap_or_else(|| {
+            let file = options.file.as_deref().unwrap_or(FilePath::new(""));
+            let found = options.all_files().resolve(file);
+            Self::default().inside(File {
+                path: found.unwrap_or_default(),
+                folder: PathBuf::new(),
+                name: file.display().to_string().into(),
+                written: file
+                    .file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into(),
+            })
+        })
     }
 }
 
@@ -321,6 +349,8 @@ fn part(
 struct Place<'a> {
     file: &'a str,
     variant: Path,
+    /// True if it or a group around it has a transform.
+    is_placed: bool,
 }
 
 impl Place<'_> {

@@ -33,6 +33,19 @@ impl Part {
         self.geometries.iter().map(Geometry::count).sum()
     }
 
+    /// Returns the number of shapes that a copy of it adds to a scene, with those inside of others. A
+    /// copy that is placed has places of its own for all that is copied in it.
+    pub(crate) fn total(&self, is_placed: bool) -> usize {
+        let totals = self.geometries.iter().map(|geometry| {
+            let places = match geometry.shape().copies() {
+                Some(copies) if is_placed => copies.len(),
+                _ => 0,
+            };
+            geometry.shape().total().saturating_add(places)
+        });
+        totals.fold(0, usize::saturating_add)
+    }
+
     /// Returns the part with its geometries and lights placed by transforms, from outermost to
     /// innermost.
     pub(crate) fn placed(&self, transforms: &[Arc<Transform>]) -> Result<Self, GeometryError> {

@@ -167,3 +167,54 @@ fn a_table_of_copies_is_a_file_that_the_scene_needs() {
     assert!(!kept(&draw()), "what is copied is in the record");
     assert!(kept(&draw()));
 }
+
+/// Writes a chain of files, each with the next one as a part and a copy of it.
+fn chain(folder: &Folder, files: usize) {
+    let camera = "camera: Perspective(eye: (0, 0, 900), gaze: (0, 0, -1), fov: 40)";
+    for file in 0..files {
+        let inner = match file + 1 == files {
+            true => "Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\")".to_owned(),
+            false => format!("Part(file: \"{}.ron\")", file + 1),
+        };
+        let copies = format!("Instances(of: \"all\", transforms: [(translate: ({file}, 1, 0))])");
+        let geometries = format!("Group(name: \"all\", geometries: [{inner}]), {copies}");
+        let text =
+            format!("(image: (width: 4, height: 4), {camera}, geometries: [{geometries}])\n");
+        folder.write(format!("{file}.ron"), text);
+    }
+}
+
+// Each file doubles the shapes that a walk over all of them meets.
+#[test]
+fn copies_inside_of_copies_are_counted_over_all_files() {
+    let folder = Folder::new();
+    let limit = "copies of geometries, the maximum is 4194304";
+    chain(&folder, 31);
+    for command in ["validate", "info", "render -o x.png", "pixel"] {
+        let args = match command {
+            "pixel" => "pixel 0.ron 1,1".to_owned(),
+            command => format!("{command} 0.ron"),
+        };
+        let done = strahl(&folder, &args);
+        assert_eq!(done.status, Some(1), "{command}");
+        let said = [&*done.stderr, &String::from_utf8_lossy(&done.stdout)].concat();
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(limit), "{command}: {said}");
+    }
+    chain(&folder, 12);
+    assert_eq!(strahl(&folder, "validate 0.ron").status, Some(0));
+}
+
+// No list shares what it holds with another.
+#[test]
+fn lists_of_copies_of_many_geometries_are_counted() {
+    let folder = Folder::new();
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\"),".repeat(3000);
+    let lists = "Instances(of: \"all\", transforms: [(translate: (3, 0, 0))]),".repeat(3000);
+    let geometries = format!("Group(name: \"all\", geometries: [{ball}]), {lists}");
+    folder.write("main.ron", format!("({FRAME} geometries: [{geometries}])"));
+    let done = strahl(&folder, "validate main.ron --output-format short");
+    let limit = "copies of geometries, the maximum is 4194304";
+    assert!(String::from_utf8_lossy(&done.stdout).contains(limit));
+    assert_eq!(done.status, Some(1));
+}

@@ -328,6 +328,11 @@ impl Shape {
         }
     }
 
+    /// Returns the number of shapes that it is: itself and all inside of it, where copies count as one.
+    pub(crate) fn total(&self) -> usize {
+        self.copies().map_or(1, |copies| copies.total())
+    }
+
     /// Returns a number that is above those of all faces.
     pub(crate) fn face_count(&self) -> u64 {
         match self {

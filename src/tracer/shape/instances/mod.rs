@@ -37,6 +37,8 @@ pub struct Instances {
     prototype: Arc<[Part]>,
     /// The number of faces of a copy.
     faces: u64,
+    /// The number of shapes that a copy is, with those inside of others.
+    inside: usize,
     rows: Arc<Vec<Rows>>,
     /// The box and the ball around the prototype, if it is bounded.
     inner: Option<Around>,
@@ -88,10 +90,12 @@ impl Instances {
     ) -> Result<Self, GeometryError> {
         let mut parts = Vec::new();
         let mut faces: u64 = 0;
+        let mut inside: usize = 0;
         for shape in shapes {
             let shape: Shape = shape.into();
             let first = faces;
             faces = faces.saturating_add(shape.face_count());
+            inside = inside.saturating_add(shape.total());
             parts.push(Part { shape, first });
         }
         if parts.is_empty() || rows.is_empty() {
@@ -113,6 +117,7 @@ impl Instances {
         let mut instances = Self {
             prototype: parts.into(),
             faces,
+            inside,
             rows,
             inner,
             around: None,
@@ -159,6 +164,11 @@ impl Instances {
     /// The shapes of the prototype, in their order.
     pub fn shapes(&self) -> impl ExactSizeIterator<Item = &Shape> {
         self.prototype.iter().map(|part| &part.shape)
+    }
+
+    /// Returns the number of shapes that it is: itself and all of one copy.
+    pub(crate) fn total(&self) -> usize {
+        self.inside.saturating_add(1)
     }
 
     /// Returns a number that is above those of all faces.
