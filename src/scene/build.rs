@@ -344,7 +344,7 @@ fn lighting(model: &Model, tables: &Tables) -> Result<Option<Lighting>, Geometry
     let own = model.lights.iter().flatten();
     let mut lights: Vec<_> = own.map(LightModel::build).collect::<Result<_, _>>()?;
     lights.extend(of_parts.flatten().map(|(_, light)| *light));
-    let depth = model.lighting.as_ref().and_then(LightingModel::max_depth);
+    let depth = model.lighting.as_ref().map(LightingModel::max_depth);
     let max_depth = depth.unwrap_or(Lighting::MAX_DEPTH);
     Ok(Some(Lighting { lights, max_depth }))
 }

@@ -67,7 +67,7 @@ impl<'a> Recognizer<'a> {
         if self.stamp().is_some() {
             return false;
         }
-        let names = Model::FIELDS.iter().map(|(name, _)| *name);
+        let names = Model::FIELDS.iter().map(|field| field.name);
         let known: Vec<_> = names.filter(|name| !COMMON.contains(name)).collect();
         let is_near = |name: &str| {
             known.contains(&name) || is_misspelt(name) && nearest(name, &known).is_some()

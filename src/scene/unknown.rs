@@ -110,7 +110,7 @@ fn outside_of_parts(model: &Model, steps: &[Part]) -> Result<(), Diagnostic> {
     let Some((part, next)) = part else {
         return Ok(());
     };
-    let is_in = |fields: &[Field]| fields.iter().any(|(name, _)| Some(*name) == next.name());
+    let is_in = |fields: &[Field]| fields.iter().any(|field| Some(field.name) == next.name());
     if is_in(PartModel::FIELDS) || next.name().is_some() && !is_in(Model::FIELDS) {
         return Ok(());
     }

@@ -131,8 +131,8 @@ impl Checked {
         let fields = GeometryModel::VARIANTS
             .iter()
             .flat_map(|(_, fields)| *fields);
-        let places = fields.filter(|(_, kind)| *kind == Kind::Point);
-        let places: BTreeSet<_> = places.map(|(name, _)| *name).collect();
+        let places = fields.filter(|field| field.kind == Kind::Point);
+        let places: BTreeSet<_> = places.map(|field| field.name).collect();
         let found = places.into_iter().map(|name| path.field(name));
         let found = found.filter_map(|path| Some((rewrite.read_vector(&path)?, path)));
         let found: Vec<_> = found.collect();

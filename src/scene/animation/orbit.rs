@@ -19,7 +19,7 @@ impl OrbitModel {
     fn rotation(&self, number: u32, frames: u32) -> Option<Rotation> {
         let turns = self.turns.unwrap_or(1.0) * f64::from(number) / f64::from(frames);
         let part = turns.fract();
-        (part != 0.0).then(|| Rotation::new(self.axis(), part * TAU))
+        (part != 0.0).then(|| Rotation::new(self.axis().into(), part * TAU))
     }
 
     /// Returns the rotations at some frames.
@@ -32,7 +32,7 @@ impl OrbitModel {
         });
         Turntable {
             around: self.around.into(),
-            axis: unit(self.axis()),
+            axis: unit(self.axis().into()),
             turns: turns.collect(),
         }
     }

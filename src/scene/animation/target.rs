@@ -88,7 +88,10 @@ impl Target {
         };
         let name = field.name().unwrap_or_default();
         let fields = owner.fields(model);
-        let Some((field, kind)) = fields.iter().copied().find(|(field, _)| *field == name) else {
+        let Some(Field {
+            name: field, kind, ..
+        }) = fields.iter().copied().find(|field| field.name == name)
+        else {
             return Err(unknown_field(name, fields));
         };
         if !kind.changes() {
@@ -385,7 +388,7 @@ fn inner<'s>(
     steps: &'s [Part],
 ) -> Result<(Owner, &'s [Part]), Diagnostic> {
     const FIELD: &str = "projection";
-    let has_it = |camera: Owner| camera.fields(model).iter().any(|(name, _)| *name == FIELD);
+    let has_it = |camera: Owner| camera.fields(model).iter().any(|field| field.name == FIELD);
     match steps {
         [field, rest @ ..] if field.name() == Some(FIELD) && !rest.is_empty() && has_it(camera) => {
             match projection.projection(model) {
@@ -552,8 +555,8 @@ fn does_not_change(path: &str) -> Diagnostic {
 }
 
 fn unknown_field(name: &str, fields: &[Field]) -> Diagnostic {
-    let changing = fields.iter().filter(|(_, kind)| kind.changes());
-    let known: Vec<_> = changing.map(|(name, _)| *name).collect();
+    let changing = fields.iter().filter(|field| field.kind.changes());
+    let known: Vec<_> = changing.map(|field| field.name).collect();
     if known.is_empty() {
         let name = quote(name);
         return unknown_path(format!(

@@ -250,7 +250,7 @@ fn the_fields_are_those_of_the_format() {
             .collect()
     };
     let sorted = |fields: &[Field]| {
-        let mut fields: Vec<_> = fields.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let mut fields: Vec<_> = fields.iter().map(|field| field.name.to_owned()).collect();
         fields.sort();
         fields
     };
@@ -282,12 +282,13 @@ fn fields_of_one_name_are_of_one_kind() {
     let variants = variants
         .chain(LightModel::VARIANTS)
         .chain(MaterialModel::VARIANTS);
-    for (name, kind) in variants.flat_map(|(_, fields)| *fields) {
-        let known = changing().find(|(other, _)| other == name);
-        let known = known.map_or(Kind::Fixed, |(_, kind)| kind);
+    for Field { name, kind, .. } in variants.flat_map(|(_, fields)| *fields) {
+        let known = changing().find(|other| other.name == *name);
+        let known = known.map_or(Kind::Fixed, |field| field.kind);
         // Keys of points and directions are alike.
         let keys = |kind: Kind| match kind {
             Kind::Direction => Kind::Point,
+            Kind::Name => Kind::Fixed,
             other => other,
         };
         assert_eq!(keys(known), keys(*kind), "{name}");

@@ -19,7 +19,7 @@ pub(super) const MOST: usize = 200;
 pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<Completion> {
     let mut all = Paths {
         finder,
-        changing: changing().map(|(name, _)| name).collect(),
+        changing: changing().map(|field| field.name).collect(),
         found: Vec::new(),
     };
     let tree = finder.tree;

@@ -25,11 +25,6 @@ impl ColorModel {
     pub(crate) const BLACK: Self = Self::Hex([0; 3]);
     pub(crate) const WHITE: Self = Self::Hex([255; 3]);
 
-    /// Builds a color, white unless given.
-    pub(crate) fn or_white(color: Option<&Self>) -> Color {
-        color.map_or(Color::WHITE, Self::build)
-    }
-
     /// Builds the color; black for an invalid string, which validation has rejected.
     #[inline]
     pub(crate) fn build(&self) -> Color {

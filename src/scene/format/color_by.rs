@@ -4,31 +4,23 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    scene::format::{
-        color::ColorModel,
-        field::{Interval, fields},
-    },
+    scene::format::{color::ColorModel, object::object},
     tracer::colormap::{Colormap, scale::ColorScale},
 };
 
-/// Colors by the values of a column.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "ColorBy", deny_unknown_fields)]
-pub struct ColorByModel {
-    /// The name of the column; its values are numbers.
-    pub column: Box<str>,
-    /// The values of the first and the last color of the map; values outside are clamped. The
-    /// smallest and the largest value of the column are the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub range: Option<Interval>,
-    /// The colors; `Viridis` is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = "Viridis"))]
-    pub map: Option<ColormapModel>,
-    /// The color of rows without a value: NaN, or an empty cell; `"#ff00ff"` is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = "#ff00ff"))]
-    pub missing: Option<ColorModel>,
+object! {
+    /// Colors by the values of a column.
+    pub struct ColorByModel = "ColorBy" {
+        /// The name of the column; its values are numbers.
+        column: Other(Box<str>),
+        /// The values of the first and the last color of the map; values outside are clamped. The
+        /// smallest and the largest value of the column are the default.
+        range: Interval?,
+        /// The colors; `Viridis` is the default.
+        map: Choice(ColormapModel) = ColormapModel::Viridis,
+        /// The color of rows without a value: NaN, or an empty cell; `"#ff00ff"` is the default.
+        missing: Color = ColorModel::Hex([0xff, 0, 0xff]),
+    }
 }
 
 /// The colors of values. Between two colors, display values are interpolated.
@@ -53,8 +45,6 @@ pub enum ColormapModel {
 }
 
 impl ColorByModel {
-    const MISSING: ColorModel = ColorModel::Hex([0xff, 0, 0xff]);
-
     /// The colors of values, whose smallest and largest are `data`.
     pub(crate) fn build(&self, data: Option<[f64; 2]>) -> ColorScale {
         let map = self.map.as_ref().map(ColormapModel::build);
@@ -62,7 +52,7 @@ impl ColorByModel {
             column: self.column.clone(),
             range: self.range.or(data),
             map: map.unwrap_or_else(Colormap::viridis),
-            missing: self.missing.as_ref().unwrap_or(&Self::MISSING).build(),
+            missing: self.missing().build(),
         }
     }
 }
@@ -82,15 +72,5 @@ impl ColormapModel {
                 Colormap::new(colors).unwrap_or_else(Colormap::gray)
             }
         }
-    }
-}
-
-fields! {
-    ColorByModel {
-        range: Interval,
-        missing: Color = ColorByModel::MISSING,
-    } fixed {
-        column,
-        map,
     }
 }

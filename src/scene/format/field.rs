@@ -65,6 +65,8 @@ pub(crate) enum Kind {
     Interval,
     /// A color.
     Color,
+    /// A name.
+    Name,
     /// Anything else, which no number can set and no track can change.
     Fixed,
 }
@@ -93,13 +95,41 @@ impl Kind {
             | Self::Direction
             | Self::Interval
             | Self::Color
+            | Self::Name
             | Self::Fixed => false,
         }
     }
 
     /// Returns true if a field of this kind can change over time.
     pub(crate) const fn changes(self) -> bool {
-        !matches!(self, Self::Count { .. } | Self::Depth | Self::Fixed)
+        !matches!(
+            self,
+            Self::Count { .. } | Self::Depth | Self::Name | Self::Fixed
+        )
+    }
+
+    /// Returns what a JSON Schema says of it beside its type.
+    fn rules(self) -> Json {
+        match self {
+            Self::Direction | Self::Way => json!({"not": {"const": [0, 0, 0]}}),
+            Self::Name => json!({"minLength": 1}),
+            _ => match self.range() {
+                Some(Range::Above(least)) => json!({"exclusiveMinimum": least}),
+                Some(Range::Degrees(least, most)) => {
+                    json!({"exclusiveMinimum": least, "exclusiveMaximum": most})
+                }
+                Some(Range::From(least, most)) => json!({"minimum": least, "maximum": most}),
+                Some(Range::Within(least, most)) => json!({"minimum": least, "maximum": most}),
+                Some(Range::AboveUpTo(least, most)) => {
+                    json!({"exclusiveMinimum": least, "maximum": most})
+                }
+                Some(Range::AtLeast(least)) => json!({"minimum": least}),
+                Some(Range::FromToBelow(least, most)) => {
+                    json!({"minimum": least, "exclusiveMaximum": most})
+                }
+                None => Json::Null,
+            },
+        }
     }
 
     /// Returns the valid range of its numbers.
@@ -126,6 +156,7 @@ impl Kind {
             | Self::Direction
             | Self::Interval
             | Self::Color
+            | Self::Name
             | Self::Fixed => None,
         }
     }
@@ -180,7 +211,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// Adds the rules of the field kinds to the schema of a struct.
+/// Adds the rules of the fields to the schema of a struct.
 pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
     add_rules(T::FIELDS, schema);
 }
@@ -189,29 +220,28 @@ pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
 fn add_rules(fields: &[Field], schema: &mut Schema) {
     let properties = schema.get_mut("properties").and_then(Json::as_object_mut);
     for (name, property) in properties.into_iter().flatten() {
-        let field = fields.iter().find(|(field, _)| field == name);
-        let rules = match field.map(|(_, kind)| (kind, kind.range())) {
-            Some((Kind::Direction | Kind::Way, _)) => json!({"not": {"const": [0, 0, 0]}}),
-            Some((_, Some(Range::Above(least)))) => json!({"exclusiveMinimum": least}),
-            Some((_, Some(Range::Degrees(least, most)))) => {
-                json!({"exclusiveMinimum": least, "exclusiveMaximum": most})
-            }
-            Some((_, Some(Range::From(least, most)))) => json!({"minimum": least, "maximum": most}),
-            Some((_, Some(Range::Within(least, most)))) => {
-                json!({"minimum": least, "maximum": most})
-            }
-            Some((_, Some(Range::AboveUpTo(least, most)))) => {
-                json!({"exclusiveMinimum": least, "maximum": most})
-            }
-            Some((_, Some(Range::AtLeast(least)))) => json!({"minimum": least}),
-            Some((_, Some(Range::FromToBelow(least, most)))) => {
-                json!({"minimum": least, "exclusiveMaximum": most})
-            }
-            _ => continue,
+        let field = fields.iter().find(|field| field.name == name);
+        let (Some(field), Json::Object(property)) = (field, property) else {
+            continue;
         };
-        if let (Json::Object(property), Json::Object(rules)) = (property, rules) {
+        if let Some(default) = field.default {
+            property.insert("default".to_owned(), whole(default()));
+        }
+        if let Json::Object(rules) = field.kind.rules() {
             property.extend(rules);
         }
+    }
+}
+
+/// Writes whole numbers without a fraction.
+fn whole(value: Json) -> Json {
+    match value {
+        Json::Array(items) => items.into_iter().map(whole).collect(),
+        Json::Number(number) => match number.as_f64() {
+            Some(float) if float == float.trunc() && float.abs() < 1e15 => json!(float as i64),
+            _ => Json::Number(number),
+        },
+        other => other,
     }
 }
 
@@ -232,8 +262,14 @@ pub(crate) enum Slot<'m> {
     Color(&'m mut ColorModel),
 }
 
-/// The name and the kind of a field.
-pub(crate) type Field = (&'static str, Kind);
+/// A field of a struct.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    pub(crate) kind: Kind,
+    /// Its default, if it has one.
+    pub(crate) default: Option<fn() -> Json>,
+}
 
 /// A struct of the format with fields.
 pub(crate) trait Fields {
@@ -245,63 +281,6 @@ pub(crate) trait Fields {
 
     /// Returns the slot of a field's value; an optional field with a default is set to it.
     fn slot(&mut self, name: &str) -> Option<Slot<'_>>;
-}
-
-/// Implements [`Fields`] for a struct from the list of its fields: first those with a kind,
-/// optional ones with their default if any, then the fixed ones. A field in neither list is a
-/// compile error.
-macro_rules! fields {
-    (@name $field:ident) => {
-        stringify!($field)
-    };
-    (@name $field:ident $name:literal) => {
-        $name
-    };
-    ($model:ty {
-        $($field:ident: $kind:ident $({ $most:expr })? $(= $default:expr)?),* $(,)?
-    } fixed { $($fixed:ident $(= $name:literal)?),* $(,)? }) => {
-        impl $crate::scene::format::field::Fields for $model {
-            const FIELDS: &'static [$crate::scene::format::field::Field] = {
-                &[
-                    $((
-                        stringify!($field),
-                        $crate::scene::format::field::Kind::$kind $({ most: $most })?,
-                    ),)*
-                    $((
-                        fields!(@name $fixed $($name)?),
-                        $crate::scene::format::field::Kind::Fixed,
-                    ),)*
-                ]
-            };
-
-            #[inline]
-            #[allow(unused_mut, unused_variables, reason = "all fields may be fixed")]
-            fn each<'m>(
-                &'m self,
-                mut see: impl FnMut(
-                    $crate::scene::format::field::Field,
-                    $crate::scene::format::field::Value<'m>,
-                ),
-            ) {
-                let Self { $($field,)* $($fixed: _,)* } = self;
-                $(if let Some(value) = $crate::scene::format::field::Held::value($field) {
-                    let kind = $crate::scene::format::field::Kind::$kind $({ most: $most })?;
-                    see((stringify!($field), kind), value);
-                })*
-            }
-
-            fn slot(&mut self, name: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
-                let Self { $($field,)* $($fixed: _,)* } = self;
-                match name {
-                    $(stringify!($field) => {
-                        $($field.get_or_insert_with(|| $default);)?
-                        $crate::scene::format::field::Held::slot($field)
-                    })*
-                    _ => None,
-                }
-            }
-        }
-    };
 }
 
 /// Forwards an enum of structs to the fields of its current variant.
@@ -354,7 +333,7 @@ macro_rules! variants {
     };
 }
 
-pub(crate) use {fields, variants};
+pub(crate) use variants;
 
 /// A field type with a value.
 pub(crate) trait Held {

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         camera::{CameraModel, UP},
-        field::{Triple, fields, rules, variants},
+        field::{Triple, variants},
+        object::object,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
     },
@@ -21,28 +22,22 @@ use crate::{
     },
 };
 
-/// A camera that frames all bounded geometries: its eye is as close as the margin allows.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Fit", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct FitModel {
-    /// The direction from the geometries to the eye, of any length; the camera looks the other way.
-    /// (1, 0.6, 1) is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = [1, 0.6, 1]))]
-    pub from: Option<Triple>,
-    /// The direction that is up in the picture; (0, 1, 0) is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = [0, 1, 0]))]
-    pub up: Option<Triple>,
-    /// The projection; `Perspective(fov: 35)` is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub projection: Option<ProjectionModel>,
-    /// The part of the picture that is free at least, of the width on the left and on the right, of
-    /// the height at the top and at the bottom: at least 0 and below 0.5; 0.05 is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 0.05))]
-    pub margin: Option<f64>,
+object! {
+    /// A camera that frames all bounded geometries: its eye is as close as the margin allows.
+    #[derive(Default)]
+    #[schemars(inline)]
+    pub struct FitModel = "Fit" {
+        /// The direction from the geometries to the eye, of any length; the camera looks the other way.
+        /// (1, 0.6, 1) is the default.
+        from: Direction = Self::FROM,
+        /// The direction that is up in the picture; (0, 1, 0) is the default.
+        up: Direction = UP,
+        /// The projection; `Perspective(fov: 35)` is the default.
+        projection: Other(ProjectionModel)?,
+        /// The part of the picture that is free at least, of the width on the left and on the right, of
+        /// the height at the top and at the bottom: at least 0 and below 0.5; 0.05 is the default.
+        margin: Margin = Self::MARGIN,
+    }
 }
 
 /// The projection of a camera that frames what it sees.
@@ -56,20 +51,21 @@ pub enum ProjectionModel {
     Orthographic(OrthographicProjectionModel),
 }
 
-/// All rays start at the eye.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Perspective", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct PerspectiveProjectionModel {
-    /// The full vertical angle of view in degrees, above 0 and below 180.
-    pub fov: f64,
+object! {
+    /// All rays start at the eye.
+    #[schemars(inline)]
+    pub struct PerspectiveProjectionModel = "Perspective" {
+        /// The full vertical angle of view in degrees, above 0 and below 180.
+        fov: Angle,
+    }
 }
 
-/// All rays are parallel.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Orthographic", deny_unknown_fields)]
-#[schemars(inline)]
-pub struct OrthographicProjectionModel {}
+object! {
+    /// All rays are parallel.
+    #[derive(Default)]
+    #[schemars(inline)]
+    pub struct OrthographicProjectionModel = "Orthographic" {}
+}
 
 impl FitModel {
     /// The default direction to the eye.
@@ -80,11 +76,6 @@ impl FitModel {
     /// Returns true if a direction has a length: its square in f64 is neither 0 nor infinite nor NaN.
     pub fn is_direction(direction: &Triple) -> bool {
         is_direction(DVec3::from(*direction))
-    }
-
-    /// The direction to the eye.
-    pub(crate) fn from(&self) -> Triple {
-        self.from.unwrap_or(Self::FROM)
     }
 
     /// The projection.
@@ -102,8 +93,8 @@ impl FitModel {
         let from = DVec3::from(self.from());
         let frame = Frame {
             from,
-            up: self.up.unwrap_or(UP).into(),
-            margin: self.margin.unwrap_or(Self::MARGIN),
+            up: self.up().into(),
+            margin: self.margin(),
             size,
         };
         // Subtracted from 0, because -0 would be an odd thing to write.
@@ -139,26 +130,6 @@ impl Default for ProjectionModel {
     fn default() -> Self {
         Self::Perspective(PerspectiveProjectionModel { fov: 35.0 })
     }
-}
-
-fields! {
-    FitModel {
-        from: Direction = Self::FROM,
-        up: Direction = UP,
-        margin: Margin = Self::MARGIN,
-    } fixed {
-        projection,
-    }
-}
-
-fields! {
-    PerspectiveProjectionModel {
-        fov: Angle,
-    } fixed {}
-}
-
-fields! {
-    OrthographicProjectionModel {} fixed {}
 }
 
 variants! {

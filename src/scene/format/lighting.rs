@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::format::field::{fields, rules};
+use crate::{scene::format::object::object, tracer::world::Lighting};
 
 /// How light is evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,29 +15,22 @@ pub enum LightingModel {
 }
 
 impl LightingModel {
-    /// Returns the largest number of reflections and refractions, if given.
-    pub(crate) const fn max_depth(&self) -> Option<u32> {
+    /// Returns the largest number of reflections and refractions, with the default filled in.
+    pub(crate) fn max_depth(&self) -> u32 {
         match self {
-            Self::Direct(direct) => direct.max_depth,
+            Self::Direct(direct) => direct.max_depth(),
         }
     }
 }
 
-/// The lights shine on surfaces directly, and mirrors and glass send rays on. Exact: there is no
-/// noise.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Direct", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct DirectModel {
-    /// The largest number of reflections and refractions of a ray, 0 to 64; a ray that goes deeper
-    /// sees the background. 8 is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 8))]
-    pub max_depth: Option<u32>,
-}
-
-fields! {
-    DirectModel {
-        max_depth: Depth,
-    } fixed {}
+object! {
+    /// The lights shine on surfaces directly, and mirrors and glass send rays on. Exact: there is no
+    /// noise.
+    #[derive(Default)]
+    #[schemars(inline)]
+    pub struct DirectModel = "Direct" {
+        /// The largest number of reflections and refractions of a ray, 0 to 64; a ray that goes deeper
+        /// sees the background. 8 is the default.
+        max_depth: Depth = Lighting::MAX_DEPTH,
+    }
 }

@@ -18,6 +18,7 @@ pub mod light;
 pub(crate) mod lighting;
 pub(crate) mod map;
 pub mod material;
+pub(crate) mod object;
 pub(crate) mod orthographic;
 pub(crate) mod outlines;
 pub(crate) mod perspective;

@@ -1,12 +1,9 @@
 //! The orthographic camera of a scene file.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
     scene::format::{
         camera::{Sight, UP},
-        field::{Triple, fields, rules},
+        object::object,
     },
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera},
@@ -14,53 +11,35 @@ use crate::{
     },
 };
 
-/// A camera of parallel rays: what is far is as large as what is near.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Orthographic", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct OrthographicModel {
-    /// The point that is the middle of the picture, where the rays start.
-    pub eye: Triple,
-    /// The direction of view; this or `look_at`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gaze: Option<Triple>,
-    /// The point that is seen in the middle of the picture; this or `gaze`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub look_at: Option<Triple>,
-    /// The direction that is up in the picture; (0, 1, 0) is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = [0, 1, 0]))]
-    pub up: Option<Triple>,
-    /// The height of the picture in units of the scene, above 0: s of the camera equation, from the
-    /// center of the bottom row to that of the top row.
-    pub scale: f64,
-    /// True if the scale spans the width as well, so that pixels are not square; false is the
-    /// default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = false))]
-    pub stretch: Option<bool>,
+object! {
+    /// A camera of parallel rays: what is far is as large as what is near.
+    #[schemars(inline)]
+    pub struct OrthographicModel = "Orthographic" {
+        /// The point that is the middle of the picture, where the rays start.
+        eye: Point,
+        /// The direction of view; this or `look_at`.
+        gaze: Direction?,
+        /// The point that is seen in the middle of the picture; this or `gaze`.
+        look_at: Point?,
+        /// The direction that is up in the picture; (0, 1, 0) is the default.
+        up: Direction = UP,
+        /// The height of the picture in units of the scene, above 0: s of the camera equation, from the
+        /// center of the bottom row to that of the top row.
+        scale: Positive,
+        /// True if the scale spans the width as well, so that pixels are not square; false is the
+        /// default.
+        stretch: Flag = false,
+    }
 }
 
 impl OrthographicModel {
     /// The camera with these directions.
     pub(crate) fn build(&self, sight: &Sight) -> Result<Camera, GeometryError> {
-        let new = if self.stretch.unwrap_or(false) {
+        let new = if self.stretch() {
             OrthographicCamera::new
         } else {
             OrthographicCamera::with_square_pixels
         };
         Ok(new(sight.eye, sight.gaze, sight.up, self.scale)?.into())
-    }
-}
-
-fields! {
-    OrthographicModel {
-        eye: Point,
-        gaze: Direction,
-        look_at: Point,
-        up: Direction = UP,
-        scale: Positive,
-    } fixed {
-        stretch,
     }
 }

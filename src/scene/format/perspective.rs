@@ -1,12 +1,9 @@
 //! The perspective camera of a scene file.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
     scene::format::{
         camera::{Sight, UP},
-        field::{Triple, fields, rules},
+        object::object,
     },
     tracer::{
         camera::{
@@ -17,26 +14,22 @@ use crate::{
     },
 };
 
-/// A pinhole camera: all rays start at the eye.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Perspective", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct PerspectiveModel {
-    /// The point that the scene is seen from.
-    pub eye: Triple,
-    /// The direction of view; this or `look_at`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gaze: Option<Triple>,
-    /// The point that is seen in the middle of the picture; this or `gaze`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub look_at: Option<Triple>,
-    /// The direction that is up in the picture; (0, 1, 0) is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = [0, 1, 0]))]
-    pub up: Option<Triple>,
-    /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
-    /// equation.
-    pub fov: f64,
+object! {
+    /// A pinhole camera: all rays start at the eye.
+    #[schemars(inline)]
+    pub struct PerspectiveModel = "Perspective" {
+        /// The point that the scene is seen from.
+        eye: Point,
+        /// The direction of view; this or `look_at`.
+        gaze: Direction?,
+        /// The point that is seen in the middle of the picture; this or `gaze`.
+        look_at: Point?,
+        /// The direction that is up in the picture; (0, 1, 0) is the default.
+        up: Direction = UP,
+        /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
+        /// equation.
+        fov: Angle,
+    }
 }
 
 impl PerspectiveModel {
@@ -45,14 +38,4 @@ impl PerspectiveModel {
         let half_angle = half_angle_of(self.fov);
         Ok(PerspectiveCamera::new(sight.eye, sight.gaze, sight.up, half_angle)?.into())
     }
-}
-
-fields! {
-    PerspectiveModel {
-        eye: Point,
-        gaze: Direction,
-        look_at: Point,
-        up: Direction = UP,
-        fov: Angle,
-    } fixed {}
 }

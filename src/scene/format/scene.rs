@@ -1,63 +1,47 @@
 //! The root of a scene file.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
     diagnostic::path::Path,
     scene::format::{
         animation::AnimationModel, camera::CameraModel, cameras::CamerasModel, color::ColorModel,
-        field::fields, geometry::GeometryModel, image::ImageModel, light::LightModel,
-        lighting::LightingModel, material::MaterialsModel, outlines::OutlinesModel,
-        warning::WarningName,
+        geometry::GeometryModel, image::ImageModel, light::LightModel, lighting::LightingModel,
+        material::MaterialsModel, object::object, outlines::OutlinesModel, warning::WarningName,
     },
 };
 
-/// A scene: the geometries, the cameras and the size of the picture.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Scene", deny_unknown_fields)]
-pub struct Model {
-    /// The location of this file's schema, for editors. JSON only.
-    #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
-    pub schema: Option<String>,
-    /// The version of the format: 1, which is also meant where there is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("enum" = [1, null], "default" = 1))]
-    pub version: Option<u32>,
-    /// The size of the picture.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub image: Option<ImageModel>,
-    /// The viewpoint of the scene; required where there are no `cameras`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraModel>,
-    /// More cameras, each by its name.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cameras: Option<CamerasModel>,
-    /// The color where no geometry is seen; black is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = [0, 0, 0]))]
-    pub background: Option<ColorModel>,
-    /// The lights. With this field, even without a light in it, the scene is lit; without it, each
-    /// geometry shows its color.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lights: Option<Vec<LightModel>>,
-    /// Materials, each by its name.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub materials: Option<MaterialsModel>,
-    /// How light is evaluated; `Direct()` is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lighting: Option<LightingModel>,
-    /// Lines where one geometry ends before another; there are none by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub outlines: Option<OutlinesModel>,
-    /// Everything that can be seen; at equal distance the first is in front.
-    pub geometries: Vec<GeometryModel>,
-    /// The changes over time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub animation: Option<Box<AnimationModel>>,
-    /// Codes of warnings that this file does not want.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub allow: Option<Vec<WarningName>>,
+object! {
+    /// A scene: the geometries, the cameras and the size of the picture.
+    #[derive(Default)]
+    pub struct Model = "Scene" {
+        /// The location of this file's schema, for editors. JSON only.
+        schema as "$schema": Other(String)?,
+        /// The version of the format: 1, which is also meant where there is none.
+        #[schemars(extend("enum" = [1, null]))]
+        version: Other(u32) = 1,
+        /// The size of the picture.
+        image: Other(ImageModel)?,
+        /// The viewpoint of the scene; required where there are no `cameras`.
+        camera: Other(CameraModel)?,
+        /// More cameras, each by its name.
+        cameras: Other(CamerasModel)?,
+        /// The color where no geometry is seen; black is the default.
+        background: Color = ColorModel::Channels([0.0; 3]),
+        /// The lights. With this field, even without a light in it, the scene is lit; without it, each
+        /// geometry shows its color.
+        lights: Other(Vec<LightModel>)?,
+        /// Materials, each by its name.
+        materials: Other(MaterialsModel)?,
+        /// How light is evaluated; `Direct()` is the default.
+        lighting: Other(LightingModel)?,
+        /// Lines where one geometry ends before another; there are none by default.
+        outlines: Other(OutlinesModel)?,
+        /// Everything that can be seen; at equal distance the first is in front.
+        geometries: Other(Vec<GeometryModel>),
+        /// The changes over time.
+        animation: Other(Box<AnimationModel>)?,
+        /// Codes of warnings that this file does not want.
+        allow: Other(Vec<WarningName>)?,
+    }
 }
 
 impl Model {
@@ -92,24 +76,5 @@ impl Model {
         let camera = self.camera.iter().map(|camera| (None, camera));
         let cameras = self.cameras.iter().flat_map(|cameras| &cameras.0);
         camera.chain(cameras.map(|(name, camera)| (Some(&**name), camera)))
-    }
-}
-
-fields! {
-    Model {
-        background: Color = ColorModel::BLACK,
-    } fixed {
-        schema = "$schema",
-        version,
-        image,
-        camera,
-        cameras,
-        lights,
-        materials,
-        lighting,
-        outlines,
-        geometries,
-        animation,
-        allow,
     }
 }

@@ -10,43 +10,39 @@ use serde::{
 };
 
 use crate::{
-    scene::format::field::{Held, Slot, Triple, Value, fields, rules},
+    scene::format::{
+        field::{Held, Slot, Triple, Value},
+        object::object,
+    },
     tracer::{error::GeometryError, transform::Transform},
 };
 
-/// A change of place, direction and size: first `scale`, then `rotate`, then `translate`; or a
-/// matrix alone.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Transform", deny_unknown_fields)]
-#[schemars(transform = rules::<Self>)]
-pub struct TransformModel {
-    /// The shift; (0, 0, 0) is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = [0, 0, 0]))]
-    pub translate: Option<Triple>,
-    /// The rotation about an axis through the origin; none is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rotate: Option<RotateModel>,
-    /// The factor of all lengths, or three factors along x, y and z; 1 is the default. A negative
-    /// factor mirrors. 0 is not allowed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 1))]
-    pub scale: Option<ScaleModel>,
-    /// The matrix, in place of the other fields: three rows of four numbers, of which the last is
-    /// the shift. It can be inverted.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub matrix: Option<Box<MatrixModel>>,
+object! {
+    /// A change of place, direction and size: first `scale`, then `rotate`, then `translate`; or a
+    /// matrix alone.
+    #[derive(Default)]
+    pub struct TransformModel = "Transform" {
+        /// The shift; (0, 0, 0) is the default.
+        translate: Point = Triple::default(),
+        /// The rotation about an axis through the origin; none is the default.
+        rotate: Other(RotateModel)?,
+        /// The factor of all lengths, or three factors along x, y and z; 1 is the default. A negative
+        /// factor mirrors. 0 is not allowed.
+        scale: Scale = ScaleModel::Uniform(1.0),
+        /// The matrix, in place of the other fields: three rows of four numbers, of which the last is
+        /// the shift. It can be inverted.
+        matrix: Other(Box<MatrixModel>)?,
+    }
 }
 
-/// A rotation about an axis through the origin.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Rotation", deny_unknown_fields)]
-#[schemars(transform = rules::<Self>)]
-pub struct RotateModel {
-    /// The axis, of any length.
-    pub axis: Triple,
-    /// The angle in degrees, counterclockwise as seen from the tip of the axis.
-    pub angle: f64,
+object! {
+    /// A rotation about an axis through the origin.
+    pub struct RotateModel = "Rotation" {
+        /// The axis, of any length.
+        axis: Direction,
+        /// The angle in degrees, counterclockwise as seen from the tip of the axis.
+        angle: Number,
+    }
 }
 
 /// The factor of all lengths, or the factors along x, y and z.
@@ -86,24 +82,6 @@ impl ScaleModel {
             Self::Uniform(factor) => DVec3::splat(*factor),
             Self::Axes(factors) => DVec3::from(*factors),
         }
-    }
-}
-
-fields! {
-    TransformModel {
-        translate: Point = Triple::default(),
-        scale: Scale = ScaleModel::Uniform(1.0),
-    } fixed {
-        rotate,
-        matrix,
-    }
-}
-
-fields! {
-    RotateModel {
-        axis: Direction,
-        angle: Number,
-    } fixed {
     }
 }
 

@@ -47,13 +47,14 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     if !path::parts(word).is_ok_and(|parts| parts.len() == 1) {
         return FieldLookup::Unknown;
     }
-    let of_scene = || Model::FIELDS.iter().map(|(name, _)| *name);
+    let of_scene = || Model::FIELDS.iter().map(|field| field.name);
     if of_scene().any(|name| name == word) {
         return FieldLookup::Found;
     }
     let path_of = |word: &str| {
         let mut structs = structs(model);
-        let (path, _) = structs.find(|(_, fields)| fields.iter().any(|(name, _)| *name == word))?;
+        let (path, _) =
+            structs.find(|(_, fields)| fields.iter().any(|field| field.name == word))?;
         Some(FieldLookup::Inside(format!("{path}.{word}")))
     };
     if let Some(inside) = path_of(word) {
@@ -66,7 +67,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
             .map_or(FieldLookup::Unknown, FieldLookup::Misspelt);
     }
     let fields = structs(model).flat_map(|(_, fields)| fields);
-    let mut names: Vec<&str> = fields.map(|(name, _)| *name).collect();
+    let mut names: Vec<&str> = fields.map(|field| field.name).collect();
     names.sort_unstable();
     names.dedup();
     let inside = nearest(word, &names).and_then(path_of);

@@ -35,7 +35,8 @@ impl Found {
 
     /// Checks a value against the kind of its field.
     #[inline]
-    pub(super) fn field(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
+    pub(super) fn field(&mut self, field: Field, value: Value, path: impl Fn() -> Path) {
+        let kind = field.kind;
         let is_fine = match value {
             Value::Number(number) => {
                 number.is_finite() && kind.range().is_none_or(|range| range.holds(number))
@@ -47,13 +48,18 @@ impl Found {
             Value::Color(color) => matches!(color, ColorModel::Hex(_)),
         };
         if !is_fine {
-            self.fault((name, kind), value, &path);
+            self.fault(field, value, &path);
         }
     }
 
     /// Reports what is wrong with a value, if anything is.
     #[cold]
-    pub(super) fn fault(&mut self, (name, kind): Field, value: Value, path: &dyn Fn() -> Path) {
+    pub(super) fn fault(
+        &mut self,
+        Field { name, kind, .. }: Field,
+        value: Value,
+        path: &dyn Fn() -> Path,
+    ) {
         let path = || path().field(name);
         match value {
             Value::Number(number) => self.number_of(kind, number, path, name),

@@ -159,7 +159,7 @@ impl Found {
             _ => "color",
         };
         let mut fields = Vec::new();
-        material.each(|(name, _), _| fields.push(name));
+        material.each(|field, _| fields.push(field.name));
         for name in fields.into_iter().filter(|name| *name != first) {
             self.no_effect(path().field(name), WITHOUT_LIGHTS);
         }

@@ -5,7 +5,6 @@ mod schema;
 
 use std::{collections::HashSet, fmt, marker::PhantomData};
 
-use schemars::JsonSchema;
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
     de::{Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor},
@@ -18,13 +17,14 @@ use crate::scene::{
         camera::CameraModel,
         color::ColorModel,
         color_by::ColorByModel,
-        field::{Field, Fields, Interval, Kind, Triple, fields, rules},
+        field::{Field, Fields, Interval, Kind, Triple},
         fit::ProjectionModel,
         geometry::GeometryModel,
         image::ImageModel,
         light::LightModel,
         map::{Entry, Map},
         material::MaterialModel,
+        object::object,
         outlines::OutlinesModel,
         scene::Model,
         transform::{RotateModel, ScaleModel, TransformModel},
@@ -32,48 +32,27 @@ use crate::scene::{
     path,
 };
 
-/// The changes over time: frame n, from 0, shows the scene at n / fps seconds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Animation", deny_unknown_fields)]
-#[schemars(transform = rules::<Self>)]
-pub struct AnimationModel {
-    /// Frames per second, above 0; 24 is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 24))]
-    pub fps: Option<f64>,
-    /// Number of frames, 1 to 1,000,000.
-    pub frames: u32,
-    /// The tracks: the keys of each number, vector or color by its path; required where there is no
-    /// `orbit`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tracks: Option<TracksModel>,
-    /// A turn of all cameras about a line, at constant speed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub orbit: Option<OrbitModel>,
+object! {
+    /// The changes over time: frame n, from 0, shows the scene at n / fps seconds.
+    pub struct AnimationModel = "Animation" {
+        /// Frames per second, above 0; 24 is the default.
+        fps: Positive = 24.0,
+        /// Number of frames, 1 to 1,000,000.
+        frames: Count { Self::MOST_FRAMES },
+        /// The tracks: the keys of each number, vector or color by its path; required where there is no
+        /// `orbit`.
+        tracks: Other(TracksModel)?,
+        /// A turn of all cameras about a line, at constant speed.
+        orbit: Other(OrbitModel)?,
+    }
 }
 
 impl AnimationModel {
-    const DEFAULT_FPS: f64 = 24.0;
     pub(crate) const MOST_FRAMES: u32 = 1_000_000;
-
-    /// Returns the number of frames per second.
-    pub(crate) fn fps(&self) -> f64 {
-        self.fps.unwrap_or(Self::DEFAULT_FPS)
-    }
 
     /// The tracks with their paths.
     pub(crate) fn tracks(&self) -> &[(Box<str>, Track)] {
         self.tracks.as_ref().map_or(&[], |tracks| &tracks.0)
-    }
-}
-
-fields! {
-    AnimationModel {
-        fps: Positive,
-        frames: Count { Self::MOST_FRAMES },
-    } fixed {
-        tracks,
-        orbit,
     }
 }
 
@@ -151,7 +130,7 @@ pub(crate) fn changing() -> impl Iterator<Item = Field> {
     let all = OWNERS.iter().flat_map(|(_, variants)| *variants);
     let mut seen = HashSet::new();
     let changing = all.flat_map(|(_, fields)| *fields).copied();
-    changing.filter(move |(name, kind)| kind.changes() && seen.insert(*name))
+    changing.filter(move |field| field.kind.changes() && seen.insert(field.name))
 }
 
 /// The kind of what a path leads to, by the fields of what it begins with; `None` for one number of
@@ -165,8 +144,8 @@ fn kind_of_path(path: &str) -> Option<Option<Kind>> {
     let is_owner = |names: &&[&str]| names.contains(&first) || names.is_empty();
     let owners = OWNERS.iter().filter(|(names, _)| is_owner(names));
     let mut fields = owners.flat_map(|(_, variants)| *variants);
-    let field = fields.find_map(|(_, fields)| fields.iter().find(|(field, _)| *field == name));
-    field.map(|(_, kind)| Some(*kind))
+    let field = fields.find_map(|(_, fields)| fields.iter().find(|field| field.name == name));
+    field.map(|field| Some(field.kind))
 }
 
 impl<'de> Entry<'de> for Track {

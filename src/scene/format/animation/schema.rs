@@ -33,8 +33,8 @@ impl JsonSchema for TracksModel {
         let colors = generator.subschema_for::<Key<ColorModel>>();
         let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
         let fields = |is_it: fn(Kind) -> bool| -> String {
-            let fields = changing().filter(|(name, kind)| is_it(*kind) && *name != SCALE);
-            let names: Vec<_> = fields.map(|(name, _)| name).collect();
+            let fields = changing().filter(|field| is_it(field.kind) && field.name != SCALE);
+            let names: Vec<_> = fields.map(|field| field.name).collect();
             format!("(^|\\.)\\s*({})\\s*$", names.join("|"))
         };
         json_schema!({

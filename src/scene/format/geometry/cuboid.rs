@@ -3,17 +3,14 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
     scene::format::{
-        color::ColorModel,
-        field::{Name, Triple, fields, rules},
         geometry::clash::{Clash, number, shown},
         geometry::kind::Kind,
         material::MaterialModel,
+        object::object,
     },
     tracer::{
         error::GeometryError,
@@ -24,25 +21,21 @@ use crate::{
 /// The names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A box along the axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Box", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct BoxModel {
-    /// The corner with the smallest coordinates.
-    pub min: Triple,
-    /// The corner with the largest coordinates: each is above that of `min`.
-    pub max: Triple,
-    /// The color: a matte surface. Give this or `material`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
+object! {
+    /// A box along the axes.
+    #[schemars(inline)]
+    pub struct BoxModel = "Box" {
+        /// The corner with the smallest coordinates.
+        min: Point,
+        /// The corner with the largest coordinates: each is above that of `min`.
+        max: Point,
+        /// The color: a matte surface. Give this or `material`.
+        color: Color?,
+        /// The material. Give this or `color`.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
+    }
 }
 
 impl Kind for BoxModel {
@@ -96,16 +89,5 @@ impl Kind for BoxModel {
         let pairs = exchanged.iter().map(|axis| ("min", "max", *axis));
         clashes.push(Clash { help, ..clash }.exchanging(pairs));
         clashes
-    }
-}
-
-fields! {
-    BoxModel {
-        min: Point,
-        max: Point,
-        color: Color,
-    } fixed {
-        material,
-        name,
     }
 }

@@ -3,15 +3,12 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
-        color::ColorModel,
-        field::{Name, Triple, fields, rules},
         geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
+        object::object,
     },
     tracer::{
         error::GeometryError,
@@ -19,31 +16,25 @@ use crate::{
     },
 };
 
-/// A round bar.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Cylinder", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct CylinderModel {
-    /// The middle of the first end.
-    pub from: Triple,
-    /// The middle of the other end.
-    pub to: Triple,
-    /// The radius, above 0.
-    pub radius: f64,
-    /// True if the ends are closed; the default. Otherwise it is open, and seen from both sides.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = true))]
-    pub capped: Option<bool>,
-    /// The color: a matte surface. Give this or `material`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
+object! {
+    /// A round bar.
+    #[schemars(inline)]
+    pub struct CylinderModel = "Cylinder" {
+        /// The middle of the first end.
+        from: Point,
+        /// The middle of the other end.
+        to: Point,
+        /// The radius, above 0.
+        radius: Positive,
+        /// True if the ends are closed; the default. Otherwise it is open, and seen from both sides.
+        capped: Flag = true,
+        /// The color: a matte surface. Give this or `material`.
+        color: Color?,
+        /// The material. Give this or `color`.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
+    }
 }
 
 impl Kind for CylinderModel {
@@ -51,27 +42,14 @@ impl Kind for CylinderModel {
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
-        Some(Cylinder::new(from, to, self.radius, self.capped.unwrap_or(true)).map(Shape::from))
+        Some(Cylinder::new(from, to, self.radius, self.capped()).map(Shape::from))
     }
 
     fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
-        see(f64::from(u8::from(self.capped.unwrap_or(true))));
+        see(f64::from(u8::from(self.capped())));
     }
 
     fn clashes(&self) -> Vec<Clash> {
         Clash::of_axis([&self.from, &self.to], "cylinder")
-    }
-}
-
-fields! {
-    CylinderModel {
-        from: Point,
-        to: Point,
-        radius: Positive,
-        color: Color,
-    } fixed {
-        capped,
-        material,
-        name,
     }
 }

@@ -3,18 +3,17 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::{JsonSchema, Schema};
-use serde::{Deserialize, Serialize};
+use schemars::Schema;
 use serde_json::{Value as Json, json};
 
 use crate::{
     diagnostic::Code,
     scene::format::{
-        color::ColorModel,
-        field::{Name, Triple, fields, rules},
+        field::Triple,
         geometry::clash::{Clash, shown},
         geometry::kind::Kind,
         material::MaterialModel,
+        object::object,
     },
     tracer::{
         error::GeometryError,
@@ -23,27 +22,23 @@ use crate::{
     },
 };
 
-/// A ball that is stretched along three axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Ellipsoid", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct EllipsoidModel {
-    /// The center.
-    pub center: Triple,
-    /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
-    /// cannot change over time.
-    #[schemars(extend("minItems" = 3, "maxItems" = 3), transform = no_axis_is_0)]
-    pub axes: Vec<Triple>,
-    /// The color: a matte surface. Give this or `material`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
+object! {
+    /// A ball that is stretched along three axes.
+    #[schemars(inline)]
+    pub struct EllipsoidModel = "Ellipsoid" {
+        /// The center.
+        center: Point,
+        /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
+        /// cannot change over time.
+        #[schemars(extend("minItems" = 3, "maxItems" = 3), transform = no_axis_is_0)]
+        axes: Other(Vec<Triple>),
+        /// The color: a matte surface. Give this or `material`.
+        color: Color?,
+        /// The material. Give this or `color`.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
+    }
 }
 
 impl EllipsoidModel {
@@ -94,17 +89,6 @@ impl Kind for EllipsoidModel {
             clashes.push(clash.with("axes", [one], "the other one"));
         }
         clashes
-    }
-}
-
-fields! {
-    EllipsoidModel {
-        center: Point,
-        color: Color,
-    } fixed {
-        axes,
-        material,
-        name,
     }
 }
 

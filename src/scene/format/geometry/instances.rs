@@ -1,59 +1,38 @@
 //! The instances of a scene file: copies of another geometry.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::scene::format::{
-    field::{Name, fields, rules},
     geometry::{
         kind::Kind,
         table::{RowKind, TableModel},
     },
+    object::object,
     transform::TransformModel,
 };
 
-/// Copies of another geometry of the scene, with its materials: one for each transform, or for each row
-/// of a table. However large it is, all of them share its memory.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Instances", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct InstancesModel {
-    /// The name of the geometry, anywhere in the scene, which is also seen where it stands. The
-    /// transforms of groups around it do not count.
-    #[schemars(length(min = 1))]
-    pub of: Box<str>,
-    /// The place, direction and size of each copy. Give this or `file`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transforms: Option<Vec<TransformModel>>,
-    /// The table in place of `transforms`: a path from the folder of the scene to a file .csv, .npy or
-    /// .npz, with `/` between its parts. Its columns `x`, `y` and `z` are the shift of each copy;
-    /// optional are `scale`, above 0, and `angle` in degrees about the axis `axis_x`, `axis_y`,
-    /// `axis_z`, which is (0, 1, 0) where the table has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ])$"))]
-    pub file: Option<Box<str>>,
-    /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
-    /// first line is a row. A name that begins with `_` stands for a column to skip.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub columns: Option<Vec<Box<str>>>,
-    /// The array of an .npz file whose rows are read; required where several have rows of columns.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub array: Option<Box<str>>,
-    /// The name of the instances: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
-}
-
-fields! {
-    InstancesModel {
-    } fixed {
-        of,
-        transforms,
-        file,
-        columns,
-        array,
-        name,
+object! {
+    /// Copies of another geometry of the scene, with its materials: one for each transform, or for each row
+    /// of a table. However large it is, all of them share its memory.
+    #[schemars(inline)]
+    pub struct InstancesModel = "Instances" {
+        /// The name of the geometry, anywhere in the scene, which is also seen where it stands. The
+        /// transforms of groups around it do not count.
+        #[schemars(length(min = 1))]
+        of: Other(Box<str>),
+        /// The place, direction and size of each copy. Give this or `file`.
+        transforms: Other(Vec<TransformModel>)?,
+        /// The table in place of `transforms`: a path from the folder of the scene to a file .csv, .npy or
+        /// .npz, with `/` between its parts. Its columns `x`, `y` and `z` are the shift of each copy;
+        /// optional are `scale`, above 0, and `angle` in degrees about the axis `axis_x`, `axis_y`,
+        /// `axis_z`, which is (0, 1, 0) where the table has none.
+        #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ])$"))]
+        file: Other(Box<str>)?,
+        /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
+        /// first line is a row. A name that begins with `_` stands for a column to skip.
+        columns: Other(Vec<Box<str>>)?,
+        /// The array of an .npz file whose rows are read; required where several have rows of columns.
+        array: Other(Box<str>)?,
+        /// The name of the instances: no other geometry of the scene has it.
+        name: Name?,
     }
 }
 

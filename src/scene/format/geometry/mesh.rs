@@ -3,17 +3,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
     scene::format::{
-        color::ColorModel,
         color_by::ColorByModel,
-        field::{Name, Triple, fields, rules},
+        field::Triple,
         geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
+        object::object,
     },
     tracer::{
         color::Color,
@@ -26,49 +25,36 @@ use crate::{
     },
 };
 
-/// Triangles that share their corners, seen from both sides.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Mesh", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct MeshModel {
-    /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
-    /// between its parts. Give this, or `vertices` and `triangles`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(
-        with = "Option<Box<str>>",
-        regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$")
-    )]
-    pub file: Option<MeshFileModel>,
-    /// The corners of the triangles. They cannot change over time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vertices: Option<Vec<Triple>>,
-    /// The triangles: three numbers of `vertices` each, from 0. Seen from the outside of a closed
-    /// mesh, they go around counterclockwise.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minItems" = 1))]
-    pub triangles: Option<Vec<[u32; 3]>>,
-    /// True to shade it like a curved surface, with normals between those of the corners; false is the
-    /// default. Its outline and its shadows remain those of the triangles.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = false))]
-    pub smooth: Option<bool>,
-    /// The color: a matte surface. Give at most one of this and `material`, and one of them where the
-    /// file has no colors of its vertices or faces, which are used without either.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
-    /// coordinate `x`, `y` or `z`. They are interpolated inside of each triangle. Give at most one of
-    /// this and `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color_by: Option<ColorByModel>,
-    /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
-    /// color.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
+object! {
+    /// Triangles that share their corners, seen from both sides.
+    #[schemars(inline)]
+    pub struct MeshModel = "Mesh" {
+        /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
+        /// between its parts. Give this, or `vertices` and `triangles`.
+        #[schemars(with = "Option<Box<str>>", regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$"))]
+        file: Other(MeshFileModel)?,
+        /// The corners of the triangles. They cannot change over time.
+        vertices: Other(Vec<Triple>)?,
+        /// The triangles: three numbers of `vertices` each, from 0. Seen from the outside of a closed
+        /// mesh, they go around counterclockwise.
+        #[schemars(extend("minItems" = 1))]
+        triangles: Other(Vec<[u32; 3]>)?,
+        /// True to shade it like a curved surface, with normals between those of the corners; false is the
+        /// default. Its outline and its shadows remain those of the triangles.
+        smooth: Flag = false,
+        /// The color: a matte surface. Give at most one of this and `material`, and one of them where the
+        /// file has no colors of its vertices or faces, which are used without either.
+        color: Color?,
+        /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
+        /// coordinate `x`, `y` or `z`. They are interpolated inside of each triangle. Give at most one of
+        /// this and `color`.
+        color_by: Other(ColorByModel)?,
+        /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
+        /// color.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
+    }
 }
 
 /// The path of a mesh file, and its mesh.
@@ -283,19 +269,5 @@ impl MeshModel {
         };
         let help = "leave out the triangles whose corners lie on a line";
         Some(Clash::new(Code::NoEffect, "triangles", message, help).at([first]))
-    }
-}
-
-fields! {
-    MeshModel {
-        color: Color,
-    } fixed {
-        file,
-        vertices,
-        triangles,
-        smooth,
-        color_by,
-        material,
-        name,
     }
 }

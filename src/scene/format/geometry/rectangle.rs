@@ -3,19 +3,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
     scene::format::{
-        color::ColorModel,
-        field::{Name, Triple, fields, rules},
         geometry::{
             clash::{Clash, NoArea},
             kind::Kind,
         },
         material::MaterialModel,
+        object::object,
     },
     tracer::{
         error::GeometryError,
@@ -24,27 +21,23 @@ use crate::{
     },
 };
 
-/// A parallelogram, seen from both sides.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Rectangle", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct RectangleModel {
-    /// A corner.
-    pub corner: Triple,
-    /// The way from the corner to one of its neighbors.
-    pub edge_u: Triple,
-    /// The way from the corner to the other one.
-    pub edge_v: Triple,
-    /// The color: a matte surface. Give this or `material`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
+object! {
+    /// A parallelogram, seen from both sides.
+    #[schemars(inline)]
+    pub struct RectangleModel = "Rectangle" {
+        /// A corner.
+        corner: Point,
+        /// The way from the corner to one of its neighbors.
+        edge_u: Way,
+        /// The way from the corner to the other one.
+        edge_v: Way,
+        /// The color: a matte surface. Give this or `material`.
+        color: Color?,
+        /// The material. Give this or `color`.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
+    }
 }
 
 impl Kind for RectangleModel {
@@ -92,17 +85,5 @@ impl Kind for RectangleModel {
             .with("edge_v", [], "an edge")
         });
         short.chain(clash).chain(too_far).collect()
-    }
-}
-
-fields! {
-    RectangleModel {
-        corner: Point,
-        edge_u: Way,
-        edge_v: Way,
-        color: Color,
-    } fixed {
-        material,
-        name,
     }
 }

@@ -2,19 +2,15 @@
 
 use std::{iter, slice, sync::Arc};
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
     scene::format::{
-        color::ColorModel,
-        field::{Name, fields, rules},
         geometry::{
             GeometryModel,
             kind::{FIELDS, Kind},
             nesting::Inside,
         },
         material::{MaterialModel, Materials, Surface},
+        object::object,
     },
     tracer::{
         error::GeometryError,
@@ -46,100 +42,57 @@ pub(crate) const COMBINED: &[&str] = SOLIDS.split_at(SOLIDS.len() - 3).1;
 /// The fields of solids with the solids inside.
 pub(crate) const OPERANDS: &[&str] = &["of", "minus"];
 
-/// All points that are in some of several solids.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Union", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct UnionModel {
-    /// The solids.
-    #[schemars(length(min = 1))]
-    pub of: Vec<GeometryModel>,
-    /// The color of those without their own: a matte surface. Give this or `material`, or neither if
-    /// each has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material of those without their own. Give this or `color`, or neither if each has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
-}
-
-/// The points that are in all of several solids.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Intersection", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct IntersectionModel {
-    /// The solids.
-    #[schemars(length(min = 1))]
-    pub of: Vec<GeometryModel>,
-    /// The color of those without their own: a matte surface. Give this or `material`, or neither if
-    /// each has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material of those without their own. Give this or `color`, or neither if each has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
-}
-
-/// What is left of a solid from which others are cut.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Difference", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct DifferenceModel {
-    /// The solid that is cut.
-    pub of: Box<GeometryModel>,
-    /// The solids that are cut away. A cut shows the color of the solid that made it. Let one stand out of
-    /// a face that it opens: if it ends there, rounding may leave specks.
-    #[schemars(length(min = 1))]
-    pub minus: Vec<GeometryModel>,
-    /// The color of those without their own: a matte surface. Give this or `material`, or neither if
-    /// each has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material of those without their own. Give this or `color`, or neither if each has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
-}
-
-fields! {
-    UnionModel {
-        color: Color,
-    } fixed {
-        of,
-        material,
-        name,
+object! {
+    /// All points that are in some of several solids.
+    #[schemars(inline)]
+    pub struct UnionModel = "Union" {
+        /// The solids.
+        #[schemars(length(min = 1))]
+        of: Other(Vec<GeometryModel>),
+        /// The color of those without their own: a matte surface. Give this or `material`, or neither if
+        /// each has its own.
+        color: Color?,
+        /// The material of those without their own. Give this or `color`, or neither if each has its own.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
     }
 }
 
-fields! {
-    IntersectionModel {
-        color: Color,
-    } fixed {
-        of,
-        material,
-        name,
+object! {
+    /// The points that are in all of several solids.
+    #[schemars(inline)]
+    pub struct IntersectionModel = "Intersection" {
+        /// The solids.
+        #[schemars(length(min = 1))]
+        of: Other(Vec<GeometryModel>),
+        /// The color of those without their own: a matte surface. Give this or `material`, or neither if
+        /// each has its own.
+        color: Color?,
+        /// The material of those without their own. Give this or `color`, or neither if each has its own.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
     }
 }
 
-fields! {
-    DifferenceModel {
-        color: Color,
-    } fixed {
-        of,
-        minus,
-        material,
-        name,
+object! {
+    /// What is left of a solid from which others are cut.
+    #[schemars(inline)]
+    pub struct DifferenceModel = "Difference" {
+        /// The solid that is cut.
+        of: Other(Box<GeometryModel>),
+        /// The solids that are cut away. A cut shows the color of the solid that made it. Let one stand out of
+        /// a face that it opens: if it ends there, rounding may leave specks.
+        #[schemars(length(min = 1))]
+        minus: Other(Vec<GeometryModel>),
+        /// The color of those without their own: a matte surface. Give this or `material`, or neither if
+        /// each has its own.
+        color: Color?,
+        /// The material of those without their own. Give this or `color`, or neither if each has its own.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
     }
 }
 

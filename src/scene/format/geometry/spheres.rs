@@ -2,66 +2,36 @@
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::scene::format::{
-    color::ColorModel,
-    color_by::ColorByModel,
-    field::{Name, fields, rules},
-    material::MaterialModel,
+    color::ColorModel, color_by::ColorByModel, material::MaterialModel, object::object,
 };
 
-/// Many spheres from a table, a file beside the scene: one in each row.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Spheres", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct SpheresModel {
-    /// The table: a path from the folder of the scene to a file .csv, .npy, .npz, .ply, .xyz or
-    /// .pdb, with `/` between its parts.
-    #[schemars(regex(
-        pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ]|[pP][lL][yY]|[xX][yY][zZ]|[pP][dD][bB])$"
-    ))]
-    pub file: Box<str>,
-    /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
-    /// first line is a row. A name that begins with `_` stands for a column to skip.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub columns: Option<Vec<Box<str>>>,
-    /// The array of an .npz file whose rows are read; required where several have rows of columns.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub array: Option<Box<str>>,
-    /// The radius of rows that have none, above 0; required where the table has none. Of atoms, the
-    /// radius of all of them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub radius: Option<f64>,
-    /// The color of rows that have none; required where the table has none. Of atoms, the color of
-    /// all of them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// Colors by the values of a column, instead of those of the rows. Give at most one of this and
-    /// `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color_by: Option<ColorByModel>,
-    /// The material of all rows; the color of a row replaces its first color. Give at most one of this
-    /// and `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the table: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
-}
-
-fields! {
-    SpheresModel {
-        radius: Positive = 0.0,
-        color: Color = ColorModel::BLACK,
-    } fixed {
-        file,
-        columns,
-        array,
-        color_by,
-        material,
-        name,
+object! {
+    /// Many spheres from a table, a file beside the scene: one in each row.
+    #[schemars(inline)]
+    pub struct SpheresModel = "Spheres" {
+        /// The table: a path from the folder of the scene to a file .csv, .npy, .npz, .ply, .xyz or
+        /// .pdb, with `/` between its parts.
+        #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ]|[pP][lL][yY]|[xX][yY][zZ]|[pP][dD][bB])$"))]
+        file: Other(Box<str>),
+        /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
+        /// first line is a row. A name that begins with `_` stands for a column to skip.
+        columns: Other(Vec<Box<str>>)?,
+        /// The array of an .npz file whose rows are read; required where several have rows of columns.
+        array: Other(Box<str>)?,
+        /// The radius of rows that have none, above 0; required where the table has none. Of atoms, the
+        /// radius of all of them.
+        radius: Positive ?= 0.0,
+        /// The color of rows that have none; required where the table has none. Of atoms, the color of
+        /// all of them.
+        color: Color ?= ColorModel::BLACK,
+        /// Colors by the values of a column, instead of those of the rows. Give at most one of this and
+        /// `color`.
+        color_by: Other(ColorByModel)?,
+        /// The material of all rows; the color of a row replaces its first color. Give at most one of this
+        /// and `color`.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the table: no other geometry of the scene has it.
+        name: Name?,
     }
 }

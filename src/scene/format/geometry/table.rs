@@ -79,4 +79,4 @@ macro_rules! table {
 }
 
 table!(SpheresModel, _table => RowKind::Sphere);
-table!(CylindersModel, table => RowKind::Cylinder { capped: table.capped.unwrap_or(true) });
+table!(CylindersModel, table => RowKind::Cylinder { capped: table.capped() });

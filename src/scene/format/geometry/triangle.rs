@@ -3,19 +3,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
     scene::format::{
-        color::ColorModel,
-        field::{Name, Triple, fields, rules},
         geometry::{
             clash::{Clash, NoArea},
             kind::Kind,
         },
         material::MaterialModel,
+        object::object,
     },
     tracer::{
         error::GeometryError,
@@ -23,27 +20,23 @@ use crate::{
     },
 };
 
-/// A triangle, seen from both sides.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Triangle", deny_unknown_fields)]
-#[schemars(inline, transform = rules::<Self>)]
-pub struct TriangleModel {
-    /// The first corner.
-    pub a: Triple,
-    /// The second corner.
-    pub b: Triple,
-    /// The third corner.
-    pub c: Triple,
-    /// The color: a matte surface. Give this or `material`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Arc<MaterialModel>>,
-    /// The name of the geometry: no other geometry of the scene has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minLength" = 1))]
-    pub name: Option<Name>,
+object! {
+    /// A triangle, seen from both sides.
+    #[schemars(inline)]
+    pub struct TriangleModel = "Triangle" {
+        /// The first corner.
+        a: Point,
+        /// The second corner.
+        b: Point,
+        /// The third corner.
+        c: Point,
+        /// The color: a matte surface. Give this or `material`.
+        color: Color?,
+        /// The material. Give this or `color`.
+        material: Other(Arc<MaterialModel>)?,
+        /// The name of the geometry: no other geometry of the scene has it.
+        name: Name?,
+    }
 }
 
 impl TriangleModel {
@@ -86,17 +79,5 @@ impl Kind for TriangleModel {
             }
         });
         Vec::from_iter(clash)
-    }
-}
-
-fields! {
-    TriangleModel {
-        a: Point,
-        b: Point,
-        c: Point,
-        color: Color,
-    } fixed {
-        material,
-        name,
     }
 }
