@@ -11,7 +11,11 @@ use crate::{
     },
     diagnostic::error::Error,
     film::size::Size,
-    text::literal::{Literal, Value},
+    text::{
+        literal::{Literal, Value},
+        members,
+        nearest::quote,
+    },
 };
 
 /// The name given to the array of an NPY file, which has none.
@@ -40,6 +44,12 @@ pub(super) fn npy(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, E
 /// Reads the arrays of an NPZ file.
 pub(super) fn npz(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, Error> {
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
+    if let Some(name) = members::repeated(file, archive.central_directory_start()) {
+        return Err(broken(format!(
+            "several arrays have the name {}",
+            quote(&name)
+        )));
+    }
     let mut layers = Vec::new();
     let mut numbers = 0;
     for index in 0..archive.len() {

@@ -9,7 +9,7 @@ use std::{
     path::Path,
 };
 
-use miniz_oxide::inflate::decompress_to_vec_zlib;
+use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use sha2::{Digest, Sha256};
 
 use crate::{
@@ -77,8 +77,9 @@ fn verify(path: &Path, title: &str) -> io::Result<bool> {
     Ok(sum.finalize()[..] == expected)
 }
 
-/// Passes the rows of a whole file to the sink.
-pub(crate) fn read(path: &Path, sink: Sink) -> Result<(), Error> {
+/// Passes the rows of a whole file to the sink. `left` is the number of bytes that the picture still
+/// lacks: no more are unpacked, whatever the file holds.
+pub(crate) fn read(path: &Path, left: &mut usize, sink: Sink) -> Result<(), Error> {
     let unreadable = |error| Error::unreadable(path, error);
     let damaged = || Error::new(ErrorKind::Unreadable, "the file is damaged").at(path);
     let mut reader = BufReader::new(open_file(path).map_err(unreadable)?);
@@ -93,7 +94,9 @@ pub(crate) fn read(path: &Path, sink: Sink) -> Result<(), Error> {
         let mut packed = Vec::new();
         let mut block = reader.by_ref().take(length.into());
         block.read_to_end(&mut packed).map_err(unreadable)?;
-        sink(&decompress_to_vec_zlib(&packed).map_err(|_| damaged())?)?;
+        let rows = decompress_to_vec_zlib_with_limit(&packed, *left).map_err(|_| damaged())?;
+        *left = left.saturating_sub(rows.len());
+        sink(&rows)?;
     }
 }
 
@@ -130,8 +133,13 @@ mod tests {
             found.extend_from_slice(bytes);
             Ok(())
         };
-        read(&path, &mut sink).unwrap();
+        let mut left = 5000;
+        read(&path, &mut left, &mut sink).unwrap();
+        assert_eq!((found.len(), left), (5000, 0));
         assert_eq!(found, rows.concat());
+        let mut ignore = |_: &[u8]| Ok(());
+        let most = read(&path, &mut 4999, &mut ignore).unwrap_err();
+        assert!(most.to_string().contains("the file is damaged"), "{most}");
         for length in 0..file.len() {
             fs::write(&path, &file[..length]).unwrap();
             assert!(!is_whole(&path, "mine"), "torn at {length}");

@@ -124,10 +124,12 @@ impl Scene {
         let watch = options.timings.watch();
         let mut target = Target::create(path, &options.cancel)?;
         self.with_rows(format, layers, options, &watch, |form, _| {
+            let pixels = usize::try_from(form.size.pixels()).unwrap_or(usize::MAX);
             format.encode(target.output(), form, &mut |sink| {
+                let mut left = pixels.saturating_mul(form.pixel.bytes());
                 parts.iter().try_for_each(|part| {
                     options.cancel.check()?;
-                    part::read(part, sink)
+                    part::read(part, &mut left, sink)
                 })
             })
         })?;

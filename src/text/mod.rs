@@ -5,6 +5,7 @@ pub(crate) mod edit;
 pub(crate) mod line_starts;
 pub(crate) mod lines;
 pub(crate) mod literal;
+pub(crate) mod members;
 pub(crate) mod nearest;
 pub(crate) mod print;
 pub(crate) mod sanitize;

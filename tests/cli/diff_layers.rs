@@ -137,12 +137,38 @@ fn values_are_read_in_their_types() {
 
 /// Returns a compressed archive of an array.
 fn npz(array: &[u8]) -> Vec<u8> {
+    archive(array, &["depth.npy"])
+}
+
+/// Returns a compressed archive of an array with each of some names.
+fn archive(array: &[u8], names: &[&str]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default();
     let options = options.compression_method(zip::CompressionMethod::Deflated);
-    zip.start_file("depth.npy", options).unwrap();
-    zip.write_all(array).unwrap();
+    for name in names {
+        zip.start_file(*name, options).unwrap();
+        zip.write_all(array).unwrap();
+    }
     zip.finish().unwrap().into_inner()
+}
+
+// A reader would keep one of them.
+#[test]
+fn two_arrays_of_one_name_are_refused() {
+    let folder = Folder::new();
+    let array = npy("<f8", "(1, 2)", &[0; 16]);
+    folder.write("named.npz", archive(&array, &["depth", "depth.npy"]));
+    let mut twice = archive(&array, &["depth.npy", "dEpth.npy"]);
+    for at in 0..twice.len() {
+        if twice[at..].starts_with(b"dEpth.npy") {
+            twice[at + 1] = b'e';
+        }
+    }
+    folder.write("twice.npz", twice);
+    for name in ["named.npz", "twice.npz"] {
+        let done = diff(&folder, &[name, name]);
+        done.one_line(2, &[name, "several arrays have the name `depth`"]);
+    }
 }
 
 #[test]

@@ -3,10 +3,7 @@
 //! One array has rows of columns, as in an .npy file. Arrays of one dimension are columns with the
 //! names of the arrays.
 
-use std::{
-    collections::HashSet,
-    io::{self, Cursor, Read},
-};
+use std::io::{self, Cursor, Read};
 
 use zip::{ZipArchive, result::ZipError};
 
@@ -19,7 +16,10 @@ use crate::{
         npy::{self, Array, Cell, Header},
         select::{columns, coordinates},
     },
-    text::nearest::{list, nearest, quote},
+    text::{
+        members,
+        nearest::{list, nearest, quote},
+    },
 };
 
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
@@ -44,7 +44,10 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
         let fault = Fault::new(format!("not a zip file of arrays: {error}"));
         fault.help("`numpy.savez` writes one")
     })?;
-    check_names(&file, archive.central_directory_start())?;
+    if let Some(name) = members::repeated(&file, archive.central_directory_start()) {
+        let fault = Fault::new(format!("several arrays have the name {}", quote(&name)));
+        return Err(fault.help("write the file again, each array once").into());
+    }
     let mut headers = Vec::new();
     for index in 0..archive.len() {
         let name = archive.name_for_index(index).and_then(Result::ok);
@@ -79,34 +82,6 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
     entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
     let most = LEAST.saturating_add(MOST_RATIO.saturating_mul(length as u64));
     load(&mut archive, (rows, most), &entries, request)
-}
-
-/// Rejects a file with two arrays of one name, of which the archive keeps only the last. `start` is the
-/// place of its list of files.
-fn check_names(file: &[u8], start: u64) -> Result<(), Fault> {
-    // PKWARE, .ZIP File Format Specification, section 4.3.12.
-    const HEADER: usize = 46;
-    let mut names = HashSet::new();
-    let mut rest = usize::try_from(start)
-        .ok()
-        .and_then(|start| file.get(start..));
-    while let Some((header, after)) = rest.and_then(|rest| rest.split_at_checked(HEADER)) {
-        if !header.starts_with(b"PK\x01\x02") {
-            break;
-        }
-        let length = |at: usize| usize::from(u16::from_le_bytes([header[at], header[at + 1]]));
-        let Some((name, after)) = after.split_at_checked(length(28)) else {
-            break;
-        };
-        if !names.insert(name) {
-            let name = String::from_utf8_lossy(name);
-            let name = quote(name.strip_suffix(".npy").unwrap_or(&name));
-            let fault = Fault::new(format!("several arrays have the name {name}"));
-            return Err(fault.help("write the file again, each array once"));
-        }
-        rest = after.get(length(30) + length(32)..);
-    }
-    Ok(())
 }
 
 /// Returns the place of the array with rows of columns.
