@@ -9,7 +9,10 @@ use crate::tracer::{
     light::Light,
     radiance::Radiance,
     ray::Ray,
-    shape::face::{Crossing, FaceId, Leaving, Own},
+    shape::{
+        Shape,
+        face::{Crossing, FaceId, Leaving, Own},
+    },
     tone::Tone,
 };
 
@@ -195,24 +198,7 @@ impl World {
     /// geometries; `None` if there are none. An intersection counts with the box of its operands, and a
     /// difference with its first one.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let mut whole: Option<[DVec3; 2]> = None;
-        for geometry in &self.geometries {
-            let Some([low, high]) = geometry.shape().bounds() else {
-                continue;
-            };
-            // Most lie inside of others.
-            let is_inside =
-                |[least, most]: [DVec3; 2]| least.cmple(low).all() && most.cmpge(high).all();
-            if whole.is_some_and(is_inside) {
-                continue;
-            }
-            let [low, high] = geometry.shape().smallest_box([low, high]);
-            whole = Some(match whole {
-                Some([least, most]) => [least.min(low), most.max(high)],
-                None => [low, high],
-            });
-        }
-        whole
+        Shape::smallest_box_around(self.geometries.iter().map(Geometry::shape))
     }
 
     /// The color of rays that hit nothing.

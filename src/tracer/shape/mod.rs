@@ -46,7 +46,7 @@ pub use self::{
 };
 pub use crate::tracer::transform::Transform;
 
-use std::sync::Arc;
+use std::{borrow::Borrow, sync::Arc};
 
 use glam::DVec3;
 
@@ -269,15 +269,20 @@ impl Shape {
     /// is around its box, and that around an ellipsoid is grown. That around an intersection lies in the
     /// smallest boxes around its operands.
     pub(crate) fn smallest_box(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
-        if let Self::Solid(solid) = self {
-            return solid.smallest_box().unwrap_or([low, high]);
-        }
-        if !matches!(
-            self,
-            Self::Placed(_) | Self::Instances(_) | Self::Ellipsoid(_)
-        ) {
-            return [low, high];
-        }
+        let found = match self {
+            Self::Solid(solid) => solid.smallest_box(None),
+            Self::Instances(copies) => copies.smallest_box(),
+            Self::Placed(placed) if matches!(placed.shape(), Self::Solid(_)) => {
+                placed.smallest_box_of_solid()
+            }
+            Self::Placed(_) | Self::Ellipsoid(_) => Some(self.reach([low, high])),
+            _ => None,
+        };
+        found.unwrap_or([low, high])
+    }
+
+    /// Returns the box through the farthest points along the axes.
+    fn reach(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
         let end = |sign: f64, at: DVec3| {
             let axes = [DVec3::X, DVec3::Y, DVec3::Z];
             let ends = axes.map(|axis| {
@@ -287,6 +292,31 @@ impl Shape {
             DVec3::from(ends).clamp(low, high)
         };
         [end(-1.0, low), end(1.0, high)]
+    }
+
+    /// Returns the smallest box around all of some shapes that are bounded; `None` if there are none.
+    pub(crate) fn smallest_box_around(
+        shapes: impl IntoIterator<Item = impl Borrow<Self>>,
+    ) -> Option<[DVec3; 2]> {
+        let mut whole: Option<[DVec3; 2]> = None;
+        for shape in shapes {
+            let shape = shape.borrow();
+            let Some([low, high]) = shape.bounds() else {
+                continue;
+            };
+            // Most lie inside of others.
+            let is_inside =
+                |[least, most]: [DVec3; 2]| least.cmple(low).all() && most.cmpge(high).all();
+            if whole.is_some_and(is_inside) {
+                continue;
+            }
+            let [low, high] = shape.smallest_box([low, high]);
+            whole = Some(match whole {
+                Some([least, most]) => [least.min(low), most.max(high)],
+                None => [low, high],
+            });
+        }
+        whole
     }
 
     /// Returns the name of the kind of shape, or of one of those that it is: a copy.

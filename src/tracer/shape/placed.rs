@@ -75,6 +75,14 @@ impl Placed {
         self.around?.bounds()
     }
 
+    /// Returns the smallest box around a solid: [`Solid::smallest_box`](super::solid::Solid).
+    pub(crate) fn smallest_box_of_solid(&self) -> Option<[DVec3; 2]> {
+        match &self.shape {
+            Shape::Solid(solid) => solid.smallest_box(Some(&self.transform)),
+            _ => None,
+        }
+    }
+
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.around?;
         let along = self.transform.steepest(direction);

@@ -231,6 +231,15 @@ impl Instances {
         self.around?.bounds()
     }
 
+    /// Returns the smallest box around all copies.
+    pub(crate) fn smallest_box(&self) -> Option<[DVec3; 2]> {
+        let transforms = (0..self.len()).filter_map(|copy| self.transform(copy).map(Arc::new));
+        Shape::smallest_box_around(transforms.flat_map(|transform| {
+            let shapes = self.shapes().cloned();
+            shapes.filter_map(move |shape| shape.placed(&transform).ok())
+        }))
+    }
+
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.around?;
         let mut farthest: Option<DVec3> = None;

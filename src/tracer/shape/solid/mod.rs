@@ -12,7 +12,7 @@ mod part;
 #[cfg(test)]
 mod tests;
 
-use std::{iter, ptr};
+use std::{iter, ptr, sync::Arc};
 
 use glam::{BVec3, DVec3};
 
@@ -28,6 +28,7 @@ use crate::tracer::{
         span::Span,
         working::Working,
     },
+    transform::Transform,
     vector::farthest_along,
 };
 
@@ -161,9 +162,10 @@ impl Solid {
     }
 
     /// Returns the smallest box around the operands of a union, around the first of a difference, and
-    /// in those around the operands of an intersection, unless it is empty or unbounded.
-    pub(crate) fn smallest_box(&self) -> Option<[DVec3; 2]> {
-        let [low, high] = self.root.smallest_box(&self.parts)?;
+    /// in those around the operands of an intersection, unless it is empty or unbounded: of the solid
+    /// itself, or once it is mapped.
+    pub(crate) fn smallest_box(&self, by: Option<&Arc<Transform>>) -> Option<[DVec3; 2]> {
+        let [low, high] = self.root.smallest_box(&self.parts, by)?;
         low.cmple(high).all().then_some([low, high])
     }
 
@@ -316,15 +318,18 @@ impl Node {
     }
 
     /// Returns [`Solid::smallest_box`].
-    fn smallest_box(&self, parts: &[Part]) -> Option<[DVec3; 2]> {
+    fn smallest_box(&self, parts: &[Part], by: Option<&Arc<Transform>>) -> Option<[DVec3; 2]> {
         let of = match self {
             Self::Part(index) => {
-                let shape = &parts[*index].shape;
-                return Some(shape.smallest_box(shape.bounds()?));
+                let mut shape = parts[*index].shape.clone();
+                if let Some(transform) = by {
+                    shape = shape.placed(transform).ok()?;
+                }
+                return Shape::smallest_box_around([shape]);
             }
             Self::Of(of) => of,
         };
-        let mut boxes = of.operands.iter().map(|node| node.smallest_box(parts));
+        let mut boxes = of.operands.iter().map(|node| node.smallest_box(parts, by));
         match of.operation {
             Operation::Difference => boxes.next()?,
             Operation::Union => {
@@ -334,9 +339,14 @@ impl Node {
                     Some([low.min(least), high.max(most)])
                 })
             }
-            Operation::Intersection => boxes
-                .flatten()
-                .reduce(|[low, high], [least, most]| [low.max(least), high.min(most)]),
+            Operation::Intersection => {
+                // Turned, the box around the whole may be smaller than all around its operands.
+                let own = by.and_then(|by| Some(by.surround(self.smallest_box(parts, None)?)));
+                boxes
+                    .flatten()
+                    .chain(own)
+                    .reduce(|[low, high], [least, most]| [low.max(least), high.min(most)])
+            }
         }
     }
 

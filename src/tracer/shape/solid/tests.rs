@@ -1,5 +1,7 @@
 //! Combined solids, beside what each operation keeps.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::tracer::{
@@ -14,10 +16,12 @@ use crate::tracer::{
         disc::Disc,
         ellipsoid::Ellipsoid,
         face::{Crossing, Leaving, Own},
+        instances::Instances,
         plane::Plane,
         solid::{Operation, Solid},
         sphere::Sphere,
     },
+    transform::Transform,
 };
 
 /// Number of random cases; `STRAHL_CASES` overrides it.
@@ -305,5 +309,39 @@ fn the_smallest_box_is_not_grown_by_ellipsoids() {
         let grown = solid.bounds().unwrap();
         assert_ne!(grown, expected, "{operation:?}");
         assert_eq!(solid.smallest_box(grown), expected, "{operation:?}");
+        // It is as small once the solid is placed, or copied.
+        let turn = Some((DVec3::Z, std::f64::consts::FRAC_PI_2));
+        let turn = Transform::new(DVec3::splat(7.0), turn, DVec3::splat(2.0)).unwrap();
+        let [low, high] = expected.map(|corner| turn.point(corner));
+        let copies = Instances::new([solid.clone()], [turn]).unwrap();
+        for shape in [solid.placed(&Arc::new(turn)).unwrap(), copies.into()] {
+            let [least, most] = shape.smallest_box(shape.bounds().unwrap());
+            assert!((least - low.min(high)).length() < 1e-12, "{operation:?}");
+            assert!((most - low.max(high)).length() < 1e-12, "{operation:?}");
+        }
+    }
+}
+
+#[test]
+fn a_turned_intersection_lies_in_its_own_box_and_those_of_its_operands() {
+    let slab = |half: DVec3| Shape::from(Cuboid::new(-half, half).unwrap());
+    let slabs = [DVec3::new(9.0, 1.0, 1.0), DVec3::new(1.0, 9.0, 1.0)];
+    let cross = Solid::new(Operation::Intersection, slabs.map(slab)).unwrap();
+    let ball = Sphere::new(DVec3::ZERO, 1.2).unwrap();
+    let turn = Some((DVec3::Z, std::f64::consts::FRAC_PI_4));
+    let turn = Arc::new(Transform::new(DVec3::ZERO, turn, DVec3::ONE).unwrap());
+    for (shape, x) in [
+        (Shape::from(cross.clone()), 2.0_f64.sqrt()),
+        (
+            Solid::new(Operation::Intersection, [cross.into(), Shape::from(ball)])
+                .unwrap()
+                .into(),
+            1.2,
+        ),
+    ] {
+        let shape = shape.placed(&turn).unwrap();
+        let [low, high] = shape.smallest_box(shape.bounds().unwrap());
+        let corner = DVec3::new(x, x, 1.0);
+        assert!((low + corner).length() < 1e-12 && (high - corner).length() < 1e-12);
     }
 }
