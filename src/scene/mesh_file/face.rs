@@ -30,11 +30,11 @@ impl MeshFile {
     /// Adds the triangles of a face, two less than it has corners.
     #[inline(always)]
     pub(super) fn add_face(&mut self, corners: &[u32], place: Place) -> Result<(), ReadError> {
-        let [first, rest @ ..] = corners else {
+        let [first, second, rest @ ..] = corners else {
             self.few_corners(corners, place);
             return Ok(());
         };
-        if rest.len() < 2 {
+        if rest.is_empty() {
             self.few_corners(corners, place);
         }
         let face = Early {
@@ -42,15 +42,16 @@ impl MeshFile {
             corners: corners.len(),
             place,
         };
-        for edge in rest.windows(2) {
-            if let [second, third] = edge {
-                push(&mut self.triangles, [*first, *second, *third], "triangles")?;
-            }
+        // One corner is read at a time: a pair would have to wait until both have been written.
+        let mut last = *second;
+        for next in rest {
+            push(&mut self.triangles, [*first, last, *next], "triangles")?;
+            last = *next;
         }
-        if rest.len() == 3 && self.is_plain(corners) {
+        if rest.len() == 2 && self.is_plain(corners) {
             return self.skip_check(face.first);
         }
-        if rest.len() > 2 && !self.cut(face) {
+        if rest.len() > 1 && !self.cut(face) {
             push(&mut self.early, face, "faces before their vertices")?;
         }
         Ok(())
@@ -59,12 +60,12 @@ impl MeshFile {
     /// Returns true if four corners need no closer look.
     #[inline(always)]
     fn is_plain(&self, corners: &[u32]) -> bool {
-        let corner = |index: &u32| self.vertices.get(*index as usize).copied();
-        let [a, b, c, d] = corners else {
+        let corner = |index: u32| self.vertices.get(index as usize);
+        let [a, b, c, d] = *corners else {
             return false;
         };
-        match [a, b, c, d].map(corner) {
-            [Some(a), Some(b), Some(c), Some(d)] => polygon::is_plain([a, b, c, d]),
+        match (corner(a), corner(b), corner(c), corner(d)) {
+            (Some(a), Some(b), Some(c), Some(d)) => polygon::is_plain([*a, *b, *c, *d]),
             _ => false,
         }
     }
