@@ -46,17 +46,12 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     file.skip(header.end, header.lines);
     let vertex = header.vertex()?;
     let selection = Selection::of_corners(vertex, request.colors, request.value)?;
-    let mut of_face = None;
+    let may_have_colors = request.colors && request.value.is_none();
+    let mut are_colored = may_have_colors && !selection.has()[COLORS.start];
     for element in &header.elements {
-        corners(element)?;
-        let may_have_color = request.colors && request.value.is_none();
-        if element.name == FACE && may_have_color && !selection.has()[COLORS.start] {
-            of_face = Selection::of_face(element)?;
-        }
+        let has_triangles = corners(element)?.is_some() && element.rows > 0;
+        are_colored &= !has_triangles || Selection::of_face(element).is_some();
     }
-    // Strips have no colors.
-    let has_strips = header.elements.iter().any(|element| element.name == STRIPS);
-    let of_face = of_face.filter(|_| !has_strips);
     let mut mesh = MeshFile {
         names: selection.names.clone(),
         ..MeshFile::new(request)
@@ -64,12 +59,14 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let mut reader = Reader {
         encoding: header.encoding,
         selection,
-        of_face,
+        of_face: None,
         vertices: vertex.rows,
         row: Row::default(),
         indices: Vec::new(),
     };
     for element in &header.elements {
+        // Either all triangles have a color or none.
+        reader.of_face = Selection::of_face(element).filter(|_| are_colored);
         if !reader.element(element, &mut file, &mut mesh)? {
             return Ok(mesh);
         }
@@ -104,7 +101,7 @@ fn corners(element: &Element) -> Result<Option<usize>, Fault> {
 struct Reader {
     encoding: Encoding,
     selection: Selection,
-    /// The color of a face.
+    /// The color of a row of the element that is read, if it has triangles.
     of_face: Option<[Selected; 3]>,
     /// The number of vertices.
     vertices: usize,
@@ -145,17 +142,19 @@ impl Reader {
         let is_vertex = element.name == VERTEX;
         let is_face = element.name == FACE;
         let corners = corners(element)?;
+        if corners.is_none() {
+            self.of_face = None;
+        }
         let wanted: Vec<bool> = (0..element.properties.len())
             .map(|index| {
                 let mut selected = self.selection.iter();
                 is_vertex && selected.any(|selected| selected.index == index)
                     || corners == Some(index)
-                    || is_face
-                        && self
-                            .of_face
-                            .iter()
-                            .flatten()
-                            .any(|each| each.index == index)
+                    || self
+                        .of_face
+                        .iter()
+                        .flatten()
+                        .any(|each| each.index == index)
             })
             .collect();
         if is_vertex {
@@ -244,6 +243,12 @@ impl Reader {
             self.indices.push(corner);
         }
         mesh.add_face(&self.indices, place)?;
+        self.color(mesh, place)
+    }
+
+    /// Gives the triangles of a row its color.
+    #[inline(always)]
+    fn color(&self, mesh: &mut MeshFile, place: Place) -> Result<(), ReadError> {
         if let Some(color) = &self.of_face {
             let color = color.map(|channel| channel.number(self.row.number(channel.index)));
             mesh.color_triangles(color, place)?;
@@ -280,7 +285,7 @@ impl Reader {
                 }
             }
         }
-        Ok(())
+        self.color(mesh, place)
     }
 
     /// Returns the vertex with a number, if the file has it.

@@ -31,11 +31,16 @@ pub(super) fn read(
 ) -> Result<Table, ReadError> {
     let (header, start) = Header::read(&mut reader, length)?;
     let array = header.rows_of_columns(request)?;
-    array.check_length(length.saturating_sub(start))?;
+    let behind = array.bytes_behind(length.saturating_sub(start))?;
     let (chosen, names) = choose(&array.cells, request)?;
     let columns = chosen.map(|chosen| chosen.map(|(_, column)| column));
     let layout = Layout::new(array.rows, columns, &request.defaults);
-    Table::read_file(Reading::new(reader, array.bytes)?, layout, names)
+    let table = Table::read_file(Reading::new(reader, array.bytes)?, layout, names)?;
+    let behind = (behind > 0).then(|| {
+        let message = format!("bytes after the last row are not read: {behind}");
+        Fault::new(message).help("a file holds one array; `numpy.savez` writes several")
+    });
+    Ok(Table { behind, ..table })
 }
 
 /// The contents of a header.
@@ -242,8 +247,8 @@ impl Header {
 }
 
 impl Array {
-    /// Checks that the elements take exactly `found` bytes.
-    pub(super) fn check_length(&self, found: u64) -> Result<(), Fault> {
+    /// Returns how many of `found` bytes are behind the elements.
+    pub(super) fn bytes_behind(&self, found: u64) -> Result<u64, Fault> {
         let needed = self.bytes as u64;
         if needed > found {
             let Self { rows, row, .. } = self;
@@ -251,11 +256,15 @@ impl Array {
                 "the file is cut off: {rows} rows of {row} bytes, found {found} bytes"
             )));
         }
-        if needed < found {
-            let message = format!("bytes after the last row: {}", found - needed);
-            return Err(Fault::new(message).help("a file holds one array"));
+        Ok(found - needed)
+    }
+
+    /// Checks that the elements take exactly `found` bytes.
+    pub(super) fn check_length(&self, found: u64) -> Result<(), Fault> {
+        match self.bytes_behind(found)? {
+            0 => Ok(()),
+            behind => Err(Fault::new(format!("bytes after the last row: {behind}"))),
         }
-        Ok(())
     }
 }
 

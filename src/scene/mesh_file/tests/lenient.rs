@@ -127,6 +127,32 @@ fn strips_are_triangles() {
 }
 
 #[test]
+fn strips_have_colors() {
+    let file = |faces: &str, rows: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty \
+             float z\n{faces}element tristrips 2\nproperty list int int vertex_indices\nproperty \
+             uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0\n4 0 0\n0 4 \
+             0\n4 4 0\n{rows}4 0 1 2 3 255 0 0\n7 0 1 2 -1 1 3 2 0 0 255\n"
+        )
+    };
+    let [red, blue] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let mesh = read(file("", "").as_bytes(), Format::Ply);
+    assert_eq!(mesh.of_triangles, [red, red, blue, blue]);
+    // A mesh has a color for each of its triangles, or for none.
+    let plain = "element face 1\nproperty list uchar int vertex_indices\n";
+    let mesh = try_read(file(plain, "3 0 1 2\n").as_bytes(), Format::Ply, None).unwrap();
+    assert_eq!((mesh.triangles.len(), mesh.of_triangles.len()), (5, 0));
+    let colored =
+        &format!("{plain}property float red\nproperty float green\nproperty float blue\n");
+    let mesh = read(file(colored, "3 0 1 2 1 0 0\n").as_bytes(), Format::Ply);
+    assert_eq!(mesh.of_triangles, [red, red, red, blue, blue]);
+    let none = &plain.replace('1', "0");
+    let mesh = read(file(none, "").as_bytes(), Format::Ply);
+    assert_eq!(mesh.of_triangles, [red, red, blue, blue]);
+}
+
+#[test]
 fn what_is_behind_the_end_is_not_read() {
     let shape = Shape::random(&mut Rng(8));
     for encoding in ENCODINGS {
@@ -273,6 +299,8 @@ fn colors_have_many_names_and_types() {
             "uchar diffuse_red, uchar diffuse_green, uchar diffuse_blue",
             "255 128 0",
         ),
+        // A `char` has the bits of a `uchar`.
+        ("char red, char green, char blue", "-1 -128 0"),
         ("uint rgb", "16744448"),
         ("int rgba", "-32768"),
         ("float rgb", &format!("{float:e}")),

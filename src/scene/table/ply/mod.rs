@@ -139,7 +139,7 @@ pub(crate) struct Selected {
     pub(crate) index: usize,
     scalar: Scalar,
     divisor: f64,
-    /// The first bit of a channel, if one number has all of them.
+    /// The first bit of a channel, if one number has all of them, or a byte with a sign.
     shift: Option<u32>,
 }
 
@@ -196,9 +196,9 @@ impl Selection {
     }
 
     /// Selects the color of a face, if it has one.
-    pub(crate) fn of_face(face: &Element) -> Result<Option<[Selected; 3]>, Fault> {
+    pub(crate) fn of_face(face: &Element) -> Option<[Selected; 3]> {
         let indices = match ColorOf::new(face) {
-            ColorOf::Packed(index) => return Ok(packed(face, index)),
+            ColorOf::Packed(index) => return packed(face, index),
             ColorOf::Channels(names) => names.map(|name| {
                 let mut properties = face.properties.iter();
                 properties.position(|property| Some(property.name.as_str()) == name)
@@ -211,10 +211,8 @@ impl Selection {
                 _ => None,
             }
         };
-        let [Some(red), Some(green), Some(blue)] = indices.map(selected) else {
-            return Ok(None);
-        };
-        Ok(Some([channel(red)?, channel(green)?, channel(blue)?]))
+        let [red, green, blue] = indices.map(selected);
+        Some([red?, green?, blue?].map(channel))
     }
 
     fn new(
@@ -251,7 +249,7 @@ impl Selection {
             };
             let selected = Selected::new(index, scalar);
             *column = Some(match COLORS.contains(&at) {
-                true => channel(selected)?,
+                true => channel(selected),
                 false => selected,
             });
         }
@@ -290,23 +288,23 @@ fn names_of_numbers(vertex: &Element) -> Vec<&str> {
     numbers.map(|property| property.name.as_str()).collect()
 }
 
-/// Sets the divisor of a channel: its largest value, by its type. The larger integers hold bytes.
-fn channel(selected: Selected) -> Result<Selected, Fault> {
+/// Sets the divisor of a channel: its largest value, by its type. The other integers hold bytes, a
+/// `char` those from 128 on as negative numbers.
+const fn channel(selected: Selected) -> Selected {
     let divisor = match selected.scalar {
-        Scalar::U8 | Scalar::I16 | Scalar::I32 | Scalar::U32 => 255.0,
+        Scalar::F16 | Scalar::F32 | Scalar::F64 => 1.0,
         Scalar::U16 => 65535.0,
-        Scalar::F32 | Scalar::F64 => 1.0,
-        _ => {
-            let message = "the type of the color does not determine its range";
-            return Err(
-                Fault::new(message).help("channels are `uchar`, 0 to 255, or `float`, 0 to 1")
-            );
-        }
+        _ => 255.0,
     };
-    Ok(Selected {
+    let shift = match selected.scalar {
+        Scalar::I8 => Some(0),
+        _ => selected.shift,
+    };
+    Selected {
         divisor,
+        shift,
         ..selected
-    })
+    }
 }
 
 /// Returns the channels of a color in one number: red, green and blue from bit 16 on down.

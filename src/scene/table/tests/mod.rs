@@ -115,7 +115,7 @@ pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
     let longer = [bytes, b"1"].concat();
     let longer = table(&longer, format, &DEFAULTS);
     let message = match format {
-        Format::Ply => longer.unwrap().behind.unwrap().message,
+        Format::Ply | Format::Npy => longer.unwrap().behind.unwrap().message,
         _ => longer.expect_err("a file with more behind it"),
     };
     assert!(message.contains("after the last row"), "{message}");

@@ -420,15 +420,11 @@ fn headers_are_rejected_with_a_reason() {
         &with("element vertex 1\nproperty list int float x\nproperty float y\nproperty float z\n"),
         &["`x`", "list"],
     );
-    for (color, word) in [
-        ("property uchar red\nproperty uchar green\n", "only some"),
-        (
-            "property char red\nproperty char green\nproperty char blue\n",
-            "`uchar`",
-        ),
-    ] {
-        refused(&with(&format!("element vertex 1\n{XYZ}{color}")), &[word]);
-    }
+    let color = "property uchar red\nproperty uchar green\n";
+    refused(
+        &with(&format!("element vertex 1\n{XYZ}{color}")),
+        &["only some"],
+    );
 }
 
 #[test]
