@@ -1,8 +1,7 @@
 //! The places of faults in the text of a table or a mesh.
 //!
-//! The readers of tables and meshes begin their messages with the line: `line 7: …` or `row 5 (line 7),
-//! column …`. Here, once all problems of a file are known, the lines are read again, and the problems
-//! get their places in them.
+//! The readers of tables and meshes note the lines of faults. Here, once all problems of a file are
+//! known, these lines are read again, so that reports can show them.
 
 use std::{
     collections::BTreeMap,
@@ -13,33 +12,29 @@ use std::{
 
 use crate::{
     diagnostic::InFile,
-    scene::{files::Folder, problem::Problem},
-    text::nearest::quote,
+    scene::{
+        files::Folder,
+        problem::Problem,
+        table::{Part, Spot},
+    },
 };
 
 /// The longest line that is shown.
 const LONGEST: u64 = 1 << 16;
 
-/// Places problems in the file that they are about, as far as their messages name a line of it.
-/// `written` is the path of the file in the scene, `name` returns that from the current folder, and
-/// `columns` are the names of its columns.
+/// Places problems in the file that they are about, as far as it is a text. `written` is the path of the
+/// file in the scene, and `name` returns that from the current folder.
 pub(super) fn place(
     problems: &mut [Problem],
     written: &str,
     name: impl FnOnce() -> PathBuf,
-    columns: &[String],
     files: &Folder<'_>,
 ) {
-    let prefix = format!("{}: ", quote(written));
-    let message_of = |problem: &Problem| {
-        // The other fields are the scene's own faults.
-        let field = problem.diagnostic.path.steps().last()?;
-        let problem = (field.name() == Some("file")).then_some(problem)?;
-        let message = problem.diagnostic.message.strip_prefix(&prefix)?;
-        Some((line_of(message)?, message.to_owned()))
-    };
-    let wanted = problems.iter().filter_map(message_of);
-    let mut texts: BTreeMap<usize, Option<String>> = wanted.map(|(line, _)| (line, None)).collect();
+    let wanted = problems.iter().filter_map(|problem| {
+        let (spot, _) = problem.in_file.as_ref()?;
+        Some((spot.line, None))
+    });
+    let mut texts: BTreeMap<u64, Option<String>> = wanted.collect();
     if texts.is_empty() {
         return;
     }
@@ -50,22 +45,22 @@ pub(super) fn place(
     // The problems keep their place in the scene if the file has changed meanwhile.
     let _ = read_lines(content, &mut texts);
     for problem in problems {
-        if let Some((line, message)) = message_of(problem)
-            && let Some(Some(text)) = texts.get(&line)
+        if let Some((Spot { line, part }, message)) = &problem.in_file
+            && let Some(Some(text)) = texts.get(line)
         {
             problem.diagnostic.in_file = Some(Box::new(InFile {
                 file: name.clone(),
-                line,
+                line: usize::try_from(*line).unwrap_or(usize::MAX),
                 text: text.clone(),
-                range: range_in(text, &message, columns),
-                message,
+                range: range_in(text, part),
+                message: message.clone(),
             }));
         }
     }
 }
 
 /// Reads the lines with these numbers, from 1.
-fn read_lines(content: impl Read, texts: &mut BTreeMap<usize, Option<String>>) -> io::Result<()> {
+fn read_lines(content: impl Read, texts: &mut BTreeMap<u64, Option<String>>) -> io::Result<()> {
     let mut reader = BufReader::new(content);
     let mut before = 0;
     for (line, text) in texts {
@@ -91,68 +86,34 @@ fn read_lines(content: impl Read, texts: &mut BTreeMap<usize, Option<String>>) -
     Ok(())
 }
 
-/// Returns the parts of a message that are not quoted.
-fn plain(message: &str) -> impl Iterator<Item = &str> {
-    message.split('`').step_by(2)
-}
-
-/// Returns the number at the start of a text.
-fn number(text: &str) -> Option<usize> {
-    let end = text.find(|letter: char| !letter.is_ascii_digit());
-    text.get(..end.unwrap_or(text.len()))?.parse().ok()
-}
-
-/// Returns the line that a message names.
-fn line_of(message: &str) -> Option<usize> {
-    let line = match message.strip_prefix("line ") {
-        Some(rest) => number(rest),
-        None => plain(message).find_map(|part| number(part.split_once("(line ")?.1)),
+/// Returns the place of a part of a line: all of the line, if it is not there or not only once.
+fn range_in(text: &str, part: &Part) -> Range<usize> {
+    let only = |is_it: &dyn Fn(&str) -> bool| {
+        let mut found = words(text).filter(|word| text.get(word.clone()).is_some_and(is_it));
+        found.next().filter(|_| found.next().is_none())
     };
-    line.filter(|line| *line > 0)
-}
-
-/// Returns the place in a line that a message is about: a cell, a quoted text or a number that is
-/// there only once; otherwise all of the line.
-fn range_in(text: &str, message: &str, columns: &[String]) -> Range<usize> {
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let columns_of = || {
-        let (_, rest) = plain(message).find_map(|part| part.split_once(", columns "))?;
-        let (first, last) = rest.split_once('-')?;
+    let found = match part {
+        Part::All => None,
         // A line may end before its last columns.
-        let [first, last] = [number(first)?.checked_sub(1)?, number(last)?];
-        let range = first.min(text.len())..last.min(text.len());
-        text.get(range.clone()).map(|_| range)
+        Part::Bytes(range) => Some(range.start.min(text.len())..range.end.min(text.len())),
+        Part::Cell { at, of } => {
+            let cells = cells(text);
+            (cells.len() == *of)
+                .then(|| cells.get(*at).cloned())
+                .flatten()
+        }
+        Part::Word(wanted) => only(&|word| word == wanted),
+        Part::Number(wanted) => only(&|word| {
+            let number = word.parse::<f64>();
+            number.is_ok_and(|number| number == *wanted || number.is_nan() && wanted.is_nan())
+        }),
     };
-    let cell = || {
-        let name = message.split_once(", column `")?.1.split('`').next()?;
-        let at = columns.iter().position(|column| column == name)?;
-        let cells = cells(text);
-        (cells.len() == columns.len()).then(|| cells.get(at).cloned())?
-    };
-    let words = || words(text);
-    let same = |word: &Range<usize>, wanted: &str| {
-        let word = text.get(word.clone()).unwrap_or_default();
-        let numbers = [word, wanted].map(|text| text.parse::<f64>().ok());
-        let is_number = match numbers {
-            [Some(one), Some(other)] => one == other || one.is_nan() && other.is_nan(),
-            _ => false,
-        };
-        word == wanted || is_number
-    };
-    let word = || {
-        quoted.iter().rev().find_map(|wanted| {
-            let mut found = words().filter(|word| same(word, wanted));
-            found.next().filter(|_| found.next().is_none())
+    found
+        .filter(|range| text.get(range.clone()).is_some())
+        .unwrap_or_else(|| {
+            let start = text.len() - text.trim_start().len();
+            start..text.trim_end().len().max(start)
         })
-    };
-    let whole = || {
-        let start = text.len() - text.trim_start().len();
-        start..text.trim_end().len().max(start)
-    };
-    columns_of()
-        .or_else(cell)
-        .or_else(word)
-        .unwrap_or_else(whole)
 }
 
 /// Returns the words of a line, which blanks and commas separate.
@@ -199,48 +160,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_leads_to_a_line_and_a_place_in_it() {
-        let columns = ["x", "y", "radius"].map(str::to_owned);
-        for (message, text, line, place) in [
-            (
-                "row 5 (line 7), column `y`: `a` is not a number",
-                "1, a ,a",
-                7,
-                "a",
-            ),
-            (
-                "row 5 (line 7), column `radius`: the cell is empty",
-                "1,2,",
-                7,
-                "",
-            ),
-            ("row 5 (line 7): 2 columns, expected 3", " 1,2 ", 7, "1,2"),
-            (
-                "line 12: `x/y` is not a corner of a face",
-                "f 1 x/y 3",
-                12,
-                "x/y",
-            ),
-            ("row 0 (line 3): found `-1`", "H 0 0 -1.0", 3, "-1.0"),
-            ("row 0 (line 3): found `NaN`", "H 0 0 nan", 3, "nan"),
-            ("row 0 (line 3): found `0`", "H 0 0 1", 3, "H 0 0 1"),
-            ("row 1 (line 2, columns 3-5): `b c`", "a b cd", 2, "b c"),
-            ("row 1 (line 2, columns 3-9): `b c`", "a b cd", 2, "b cd"),
+    fn a_part_of_a_line_has_a_range() {
+        let cell = |at| Part::Cell { at, of: 3 };
+        let word = |word: &str| Part::Word(word.to_owned());
+        for (text, part, place) in [
+            ("1, a ,a", cell(1), "a"),
+            ("1,a,b", cell(2), "b"),
+            ("1,2,", cell(2), ""),
+            ("1 2\t3", cell(2), "3"),
+            ("\"1,2\",3,4", cell(1), "3"),
+            (" 1,2 ", cell(1), "1,2"),
+            (" 1,2 ", Part::All, "1,2"),
+            ("f 1 x/y 3", word("x/y"), "x/y"),
+            ("f x x 3", word("x"), "f x x 3"),
+            ("H 0 0 -1.0", Part::Number(-1.0), "-1.0"),
+            ("H 0 0 nan", Part::Number(f64::NAN), "nan"),
+            ("H 0 0 1", Part::Number(0.0), "H 0 0 1"),
+            ("a b cd", Part::Bytes(2..5), "b c"),
+            ("a b cd", Part::Bytes(2..9), "b cd"),
+            ("äb", Part::Bytes(1..2), "äb"),
         ] {
-            assert_eq!(line_of(message), Some(line), "{message}");
-            let range = range_in(text, message, &columns);
-            assert_eq!(&text[range], place, "{message}");
+            assert_eq!(&text[range_in(text, &part)], place, "{text}: {part:?}");
         }
-        let range = range_in("1,a,a", "row 5 (line 7), column `radius`: `a`", &columns);
-        assert_eq!(range, 4..5);
-        for message in [
-            "row 5: 2 columns",
-            "`(line 7)` is unknown",
-            "line 0: x",
-            "line x",
-        ] {
-            assert_eq!(line_of(message), None, "{message}");
-        }
+        assert_eq!(range_in("1,a,a", &cell(2)), 4..5);
     }
 
     #[test]

@@ -17,9 +17,9 @@ use crate::{
         in_file,
         mesh_file::{Flaw, Format, MeshFile, Note, Request},
         options::ReadOptions,
-        place::{Place, and_more},
+        place::Place,
         problem::Problem,
-        table::{Fault, Names, ReadError, Values},
+        table::{Names, ReadError, Values},
     },
     tracer::{color::Color, error::GeometryError, shape::mesh::Mesh},
 };
@@ -73,7 +73,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
         let locate = |problems: &mut Vec<Problem>| {
             let problems = problems.get_mut(before..).unwrap_or_default();
             let name = || options.path_of(&*wanted.file);
-            in_file::place(problems, &wanted.file, name, &[], files);
+            in_file::place(problems, &wanted.file, name, files);
         };
         if !known.contains_key(&wanted) {
             match open(&place, files, &wanted, options) {
@@ -145,7 +145,7 @@ fn open(
     let read = MeshFile::read(file, length, format, &request);
     let mut found = read.map_err(|error| match error {
         ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),
-        ReadError::Invalid(fault) => invalid(place, &fault),
+        ReadError::Invalid(fault) => place.fault(Code::InvalidMesh, &fault, 1),
     })?;
     let notes = std::mem::take(&mut found.notes);
     let names = std::mem::take(&mut found.names);
@@ -197,11 +197,6 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
     })
 }
 
-fn invalid(place: &Place, fault: &Fault) -> Problem {
-    let problem = place.problem_at(fault.blamed, Code::InvalidMesh, &fault.message);
-    problem.help_of(fault.help.clone())
-}
-
 fn problem(place: &Place, note: &Note) -> Problem {
     let code = match note.flaw {
         flaw if flaw.is_error() => Code::InvalidMesh,
@@ -209,8 +204,5 @@ fn problem(place: &Place, note: &Note) -> Problem {
         Flaw::Behind | Flaw::NotFlat | Flaw::Crossing | Flaw::Colorless => Code::OddMesh,
         _ => Code::NoEffect,
     };
-    let message = format!("{}{}", note.fault.message, and_more(note.count));
-    place
-        .problem(code, message)
-        .help_of(note.fault.help.clone())
+    place.fault(code, &note.fault, note.count)
 }

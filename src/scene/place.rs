@@ -12,7 +12,7 @@ use crate::{
             geometry::table::{RowKind, TableModel},
         },
         problem::{Cure, Focus, Problem},
-        table::{Bad, BadRows, Blamed, Format, Kind, Names, Table, cell, row},
+        table::{At, Bad, BadRows, Blamed, Fault, Format, Kind, Names, Part, Table, most_listed},
     },
     text::nearest::{list, nearest, quote},
     tracer::error::GeometryError,
@@ -65,6 +65,18 @@ impl Place<'_> {
     ) -> Problem {
         let message = format!("{}: {}", quote(self.file), message.as_ref());
         Problem::new(code, blamed.path_in(&self.variant), Focus::Value, message)
+    }
+
+    /// Creates the problem of a fault of the file that is at this many places.
+    pub(super) fn fault(&self, code: Code, fault: &Fault, count: usize) -> Problem {
+        let message = format!("{}{}", fault.message, and_more(count));
+        let problem = self.problem_at(fault.blamed, code, &message);
+        // The other fields are the scene's own faults.
+        let spot = fault.spot.clone().filter(|_| fault.blamed == Blamed::File);
+        Problem {
+            in_file: spot.map(|spot| (spot, message)),
+            ..problem.help_of(fault.help.clone())
+        }
     }
 
     /// Returns the format of the file, if it may hold such rows.
@@ -155,22 +167,19 @@ impl Place<'_> {
 
     /// Creates the problem of a row whose transform cannot be inverted.
     pub(super) fn not_placed(&self, at: usize, table: &Table, error: &GeometryError) -> Problem {
-        let row = row(at, table.line(at));
-        self.problem(Code::InvalidTable, format!("{row}: {error}"))
+        let fault = At::row(at, table.line(at)).fault(error);
+        self.fault(Code::InvalidTable, &fault, 1)
     }
 
     /// Warns about what a table does not take from its file.
     pub(super) fn not_taken(&self, table: &Table) -> impl Iterator<Item = Problem> {
         let left_out = table.left_out().map(|left_out| {
-            let row = row(left_out.first, table.line(left_out.first));
-            let more = and_more(left_out.count);
-            let message = format!("{row}: all coordinates are NaN, so there is no point{more}");
-            self.problem(Code::NoEffect, message)
+            let at = At::row(left_out.first, table.line(left_out.first));
+            let fault = at.fault("all coordinates are NaN, so there is no point");
+            self.fault(Code::NoEffect, &fault, left_out.count)
         });
-        let behind = table.behind().map(|fault| {
-            let problem = self.problem(Code::NoEffect, &fault.message);
-            problem.help_of(fault.help.clone())
-        });
+        let behind = table.behind();
+        let behind = behind.map(|fault| self.fault(Code::NoEffect, fault, 1));
         left_out.into_iter().chain(behind)
     }
 
@@ -260,10 +269,7 @@ impl Place<'_> {
             .iter()
             .copied()
             .partition(|bad| bad.kind == Kind::Clamped);
-        // One warning for the three channels.
-        let count = clamped.iter().map(|bad| bad.count).sum();
-        let first = clamped.into_iter().min_by_key(|bad| (bad.row, bad.column));
-        let clamped = first.map(|first| Bad { count, ..first });
+        let clamped = one_of_a_row(clamped);
         let numbers = wrong.into_iter().chain(clamped);
         let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
         let is_choice = |bad: &BadRows| {
@@ -293,9 +299,7 @@ impl Place<'_> {
                 bad.fault.clone().blame_value(&others)
             }
         };
-        let message = format!("{}{}", fault.message, and_more(bad.count));
-        let problem = self.problem_at(fault.blamed, bad.code(), message);
-        problem.help_of(fault.help)
+        self.fault(bad.code(), &fault, bad.count)
     }
 
     /// Warns about defaults of the scene that are unused because every row has its own value.
@@ -352,7 +356,6 @@ impl Place<'_> {
     }
 
     fn bad(&self, bad: &Bad, named: &TableModel, table: &Table, format: Format) -> Problem {
-        let more = and_more(bad.count);
         let (code, what) = match bad.kind {
             Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
             Kind::NotAboveZero if named.kind == RowKind::Copy => {
@@ -361,31 +364,53 @@ impl Place<'_> {
             Kind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
             Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
             Kind::NoAxis(why) => {
-                let row = row(bad.row, table.line(bad.row));
-                if named.kind == RowKind::Copy {
-                    let message = format!(
-                        "{row}: the axis has a squared length that is 0 or not finite in an f64{more}"
-                    );
-                    let problem = self.problem(Code::InvalidTable, message);
-                    return problem.help("give a direction, such as (0, 1, 0)");
-                }
-                let name = named.kind.name();
-                let message = format!("{row}: the ends {why}: the {name} has no length{more}");
-                let problem = self.problem(Code::InvalidTable, message);
-                return problem.help("give two different points, or remove the row");
+                let row = At::row(bad.row, table.line(bad.row));
+                let fault = if named.kind == RowKind::Copy {
+                    row.fault("the axis has a squared length that is 0 or not finite in an f64")
+                        .help("give a direction, such as (0, 1, 0)")
+                } else {
+                    let name = named.kind.name();
+                    row.fault(format!("the ends {why}: the {name} has no length"))
+                        .help("give two different points, or remove the row")
+                };
+                return self.fault(Code::InvalidTable, &fault, bad.count);
             }
         };
-        let column = format.column(named.kind, bad.column);
-        let cell = cell(bad.row, table.line(bad.row), column.unwrap_or_default());
-        let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
-        let problem = self.problem(code, message);
-        match bad.kind {
+        let column = format.column(named.kind, bad.column).unwrap_or_default();
+        let names = &table.names().all;
+        let (at, of) = (names.iter().position(|name| name == column), names.len());
+        let part = match at {
+            // The columns of atoms are not those of the text.
+            Some(at) if !format.is_atoms() => Part::Cell { at, of },
+            _ => Part::Number(bad.value),
+        };
+        let cell = At::cell(bad.row, table.line(bad.row), column).part(part);
+        let fault = cell.fault(format!("{what}, found `{}`", bad.value));
+        let fault = match bad.kind {
             Kind::Clamped if bad.value > 1.0 && bad.value <= 255.0 => {
-                problem.help("8-bit values? divide by 255")
+                fault.help("8-bit values? divide by 255")
             }
-            _ => problem,
-        }
+            _ => fault,
+        };
+        self.fault(code, &fault, bad.count)
     }
+}
+
+/// Returns one fault for the three channels of each row; those that are not listed are counted with the
+/// last.
+fn one_of_a_row(mut bad: Vec<Bad>) -> Vec<Bad> {
+    let mut rest = bad.iter().map(|bad| bad.count).sum::<usize>();
+    bad.sort_by_key(|bad| (bad.row, bad.column));
+    bad.dedup_by_key(|bad| bad.row);
+    bad.truncate(most_listed(false));
+    for bad in &mut bad {
+        rest -= 1;
+        bad.count = 1;
+    }
+    if let Some(last) = bad.last_mut() {
+        last.count += rest;
+    }
+    bad
 }
 
 /// Formats the number of further faults beyond the reported one.

@@ -4,6 +4,7 @@ use std::{collections::BTreeMap, mem, ops::Range};
 
 use crate::{
     diagnostic::{Code, Diagnostic, Fix, Label, Severity, path::Path},
+    scene::table::Spot,
     text::{nearest::quote, syntax::Fault},
 };
 
@@ -94,6 +95,8 @@ pub(crate) struct Problem {
     pub(crate) labels: Vec<(Path, Focus, String)>,
     /// True if the message ends with the value as written.
     pub(crate) shows_value: bool,
+    /// The place in the file that the scene names, if it is a text, and the message without its name.
+    pub(crate) in_file: Option<(Spot, String)>,
 }
 
 impl Problem {
@@ -104,6 +107,7 @@ impl Problem {
             cure: None,
             labels: Vec::new(),
             shows_value: false,
+            in_file: None,
         }
     }
 

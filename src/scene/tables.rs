@@ -24,7 +24,7 @@ use crate::{
         part::{Part, PartLight},
         place::Place,
         problem::Problem,
-        table::{Cloud, Defaults, Fault, Format, ReadError, Request, Row, Table},
+        table::{Cloud, Defaults, Format, ReadError, Request, Row, Table},
     },
     tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
 };
@@ -107,16 +107,15 @@ pub(crate) fn read(
             file: named.file,
             variant: model.path_of(at),
         };
-        let locate = |problems: &mut Vec<Problem>, columns: &[String]| {
+        let locate = |problems: &mut Vec<Problem>| {
             let problems = problems.get_mut(before..).unwrap_or_default();
-            let name = || options.path_of(named.file);
-            in_file::place(problems, named.file, name, columns, files);
+            in_file::place(problems, named.file, || options.path_of(named.file), files);
         };
         let table = match open(named, model.materials.as_ref(), &place, files, options) {
             Ok((table, format)) => {
                 place.check(named, &table, format, &mut problems);
                 problems.extend(place.not_taken(&table));
-                locate(&mut problems, &table.names().all);
+                locate(&mut problems);
                 place.unused_columns(named, &table, format, &mut problems);
                 if table.has_unread_rows() || !place.has_values(named, &table, &mut problems) {
                     continue;
@@ -126,7 +125,7 @@ pub(crate) fn read(
             }
             Err(problem) => {
                 problems.push(problem);
-                locate(&mut problems, &[]);
+                locate(&mut problems);
                 continue;
             }
         };
@@ -146,7 +145,7 @@ pub(crate) fn read(
                     Ok(rows) => rows,
                     Err((at, error)) => {
                         problems.push(place.not_placed(at, &table, &error));
-                        locate(&mut problems, &[]);
+                        locate(&mut problems);
                         continue;
                     }
                 };
@@ -189,14 +188,7 @@ fn open(
     });
     let table = read.map_err(|error| match error {
         ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),
-        ReadError::Invalid(Fault {
-            message,
-            help,
-            blamed,
-        }) => {
-            let problem = place.problem_at(blamed, Code::InvalidTable, message);
-            problem.help_of(help)
-        }
+        ReadError::Invalid(fault) => place.fault(Code::InvalidTable, &fault, 1),
     })?;
     Ok((table, format))
 }

@@ -229,7 +229,7 @@ fn long_lines_of_tables_are_refused() {
     );
     assert_eq!(done.status, Some(1), "{}", done.stderr);
     let text = String::from_utf8(done.stdout).unwrap();
-    assert!(text.contains("line 1 is longer than 1 MiB"), "{text}");
+    assert!(text.contains("line 1: longer than 1 MiB"), "{text}");
     folder.write("plain.ron", RON);
     let args = ["render", "plain.ron", "--params", "t.csv", "-o", "{id}.png"];
     with_memory(&folder, LITTLE, &args).one_line(2, &["t.csv", "longer than 1 MiB"]);

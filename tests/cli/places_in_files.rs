@@ -18,7 +18,7 @@ fn with_faulty_files() -> Folder {
         "x,y,z,radius\n0,0,0,1\n1,äbc,0,1\n2,0,0\n3,1,nan,-1\n3,1,2,-1.0\n",
     );
     folder.write("a.xyz", "2\n\nH 0 0 0\nQq 0 0 1\n");
-    folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
+    folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\nf 1 9 2\n");
     folder
 }
 
@@ -54,7 +54,11 @@ fn faults_are_reported_in_their_own_files() {
             "s.ron:4:19",
         ),
         (
-            "m.obj:4:1: error[invalid-mesh]: line 4: vertex 7",
+            "m.obj:4:7: error[invalid-mesh]: line 4: vertex 7",
+            "s.ron:6:16",
+        ),
+        (
+            "m.obj:5:5: error[invalid-mesh]: line 5: vertex 9",
             "s.ron:6:16",
         ),
         (
@@ -81,7 +85,7 @@ fn every_format_names_the_place_in_the_table() {
             "human",
             &[
                 " --> a.csv:3:3\n  |\n3 | 1,äbc,0,1\n  |   ^^^\n  |\n  = note: used by s.ron:4:19\n",
-                " --> m.obj:4:1\n",
+                " --> m.obj:4:7\n",
             ][..],
         ),
         (
@@ -152,5 +156,87 @@ fn every_faulty_row_is_named_up_to_a_limit() {
                 "{line}: {text}"
             );
         }
+    }
+}
+
+#[test]
+fn every_fault_of_a_mesh_has_its_line() {
+    let folder = Folder::new();
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 nan 0\n0 x 0\n\
+               3 0 1 2\n3 0 1 5\n";
+    let stl = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 y\nvertex 0 z 0\nendloop\n\
+               endfacet\nendsolid\n";
+    for (name, text, places) in [
+        (
+            "a.obj",
+            &*format!("{corners}f 1 2 9\nf 1 q 2\nfoo\nv 1 x 0\n"),
+            &["5:7: error", "6:5: error", "7:1: error", "8:5: error"][..],
+        ),
+        (
+            "b.obj",
+            &format!("{corners}f 1 2 4 3\nf 1 2 4 3\nf 1 2\nf 1\n"),
+            &[
+                "5:1: warning",
+                "6:1: warning",
+                "7:1: warning",
+                "8:1: warning",
+            ],
+        ),
+        ("c.ply", ply, &["12:1: error", "11:3: error", "14:7: error"]),
+        ("d.stl", stl, &["5:12: error", "6:10: error"]),
+    ] {
+        folder.write(name, text);
+        folder.write(
+            "s.ron",
+            format!("(camera: Fit(), geometries: [Mesh(file: {name:?}, color: \"#f00\")])"),
+        );
+        let args = ["validate", "s.ron", "--output-format", "short"];
+        let done = run(&mut folder.strahl(args));
+        let text = String::from_utf8(done.stdout).unwrap();
+        for place in places {
+            let start = format!("{name}:{place}[");
+            let mut lines = text.lines().filter(|line| line.starts_with(&start));
+            let line = lines.next().unwrap_or_else(|| panic!("{start}: {text}"));
+            assert!(line.ends_with(" (used by s.ron:1:41)"), "{line}");
+        }
+        assert_eq!(text.lines().count(), places.len(), "{text}");
+    }
+}
+
+#[test]
+fn warnings_name_their_rows_as_errors_do() {
+    let folder = Folder::new();
+    for (name, text, rest, first, words) in [
+        (
+            "a.csv",
+            "x,y,z,radius,r,g,b\n",
+            "0,0,0,1,2,3,4\n",
+            2,
+            "color channel",
+        ),
+        ("a.xyz", "40\n\n", "Qq 0 0 1\n", 3, "not an element"),
+        ("a.obj", "", "v 0 0 0 0 0 7\n", 1, "color channel"),
+    ] {
+        let mesh = if name == "a.obj" { "f 1 2 3\n" } else { "" };
+        folder.write(name, format!("{text}{}{mesh}", rest.repeat(40)));
+        let what = match name {
+            "a.obj" => "Mesh",
+            _ => "Spheres",
+        };
+        folder.write(
+            "s.ron",
+            format!("(camera: Fit(), geometries: [{what}(file: {name:?})])"),
+        );
+        let args = ["validate", "s.ron", "--output-format", "short"];
+        let done = run(&mut folder.strahl(args));
+        let text = String::from_utf8(done.stdout).unwrap();
+        let found: Vec<_> = text.lines().filter(|line| line.contains(words)).collect();
+        assert_eq!(found.len(), 10, "{text}");
+        for (line, found) in (first..).zip(&found) {
+            assert!(found.starts_with(&format!("{name}:{line}:")), "{text}");
+        }
+        assert!(found[9].contains(" more (used by "), "{text}");
     }
 }

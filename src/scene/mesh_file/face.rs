@@ -7,7 +7,7 @@ use crate::scene::{
         polygon::{self, Fan, Polygon},
         push,
     },
-    table::{Fault, ReadError},
+    table::ReadError,
 };
 
 /// A face that comes before its vertices: a fan.
@@ -89,8 +89,8 @@ impl MeshFile {
                 1 => "1 corner".to_owned(),
                 count => format!("{count} corners"),
             };
-            let message = format!("{place}: a face with {corners} is not used");
-            Fault::new(message).help("a face has at least 3 corners")
+            let fault = place.fault(format!("a face with {corners} is not used"));
+            fault.help("a face has at least 3 corners")
         });
     }
 
@@ -138,15 +138,13 @@ impl MeshFile {
         }
         if let Some(what) = crossing {
             self.note(Flaw::Crossing, || {
-                Fault::new(format!(
-                    "{place}: {what}; it is a fan around its first corner"
-                ))
-                .help("save the mesh as triangles")
+                let fault = place.fault(format!("{what}; it is a fan around its first corner"));
+                fault.help("save the mesh as triangles")
             });
         }
         if !fan.is_flat {
             self.note(Flaw::NotFlat, || {
-                Fault::new(format!("{place}: the corners of a face are not in a plane")).help(
+                place.fault("the corners of a face are not in a plane").help(
                     "save the mesh as triangles, so that its shape does not depend on the program",
                 )
             });

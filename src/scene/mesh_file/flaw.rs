@@ -59,12 +59,14 @@ impl Flaw {
     }
 }
 
-/// The places of a file with the same fault.
+/// A fault of a file, and its further places that are not listed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Note {
     pub(crate) flaw: Flaw,
-    /// The fault at the first place.
+    /// The fault at its first place.
     pub(crate) fault: Fault,
-    /// The number of places.
+    /// The number of places of the same flaw that are listed before.
+    pub(super) before: usize,
+    /// The number of places, the first included: of those that are not listed on their own.
     pub(crate) count: usize,
 }

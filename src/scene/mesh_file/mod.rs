@@ -33,7 +33,7 @@ use crate::{
     parallel::Cancel,
     scene::{
         mesh_file::{face::Early, place::Place, stream::Stream},
-        table::{Fault, Names, ReadError},
+        table::{At, Fault, Names, Part, ReadError, most_listed},
     },
     text::{nearest::quote, syntax::Decimal},
     tracer::{shape::mesh::MeshGroup, vector::is_direction},
@@ -168,13 +168,18 @@ impl MeshFile {
         Ok(self)
     }
 
-    /// Notes a fault. Only the first of its kind is reported, the others are counted.
+    /// Notes a fault. The first of its kind are listed, as far as they have lines; the others are
+    /// counted with the last of these.
     fn note(&mut self, flaw: Flaw, fault: impl FnOnce() -> Fault) {
-        match self.notes.iter_mut().find(|note| note.flaw == flaw) {
+        let last = self.notes.iter_mut().rfind(|note| note.flaw == flaw);
+        let before = last.as_ref().map_or(0, |note| note.before + 1);
+        let most = most_listed(flaw.is_error());
+        match last.filter(|note| before >= most || note.fault.spot.is_none()) {
             Some(note) => note.count += 1,
             None => self.notes.push(Note {
                 flaw,
                 fault: fault(),
+                before,
                 count: 1,
             }),
         }
@@ -210,8 +215,9 @@ impl MeshFile {
     #[cold]
     fn not_a_number(&mut self, line: u64, word: &[u8]) {
         self.note(Flaw::Number, || {
-            let word = quote(&String::from_utf8_lossy(word));
-            Fault::new(format!("line {line}: {word} is not a number"))
+            let word = String::from_utf8_lossy(word);
+            let at = At::line(line).word(&*word);
+            at.fault(format!("{} is not a number", quote(&word)))
         });
     }
 
@@ -255,7 +261,8 @@ impl MeshFile {
         }
         self.note(Flaw::Clamped, || {
             let what = "a color channel is clamped to 0..1";
-            Fault::new(format!("{place}: {what}, found `{channel}`"))
+            let at = place.at().part(Part::Number(channel));
+            at.fault(format!("{what}, found `{channel}`"))
         });
         None
     }
@@ -327,6 +334,7 @@ impl MeshFile {
         self.notes.push(Note {
             flaw: Flaw::Degenerate,
             fault,
+            before: 0,
             count,
         });
         Ok(())
@@ -388,9 +396,8 @@ fn reserve<T>(all: &mut Vec<T>, count: usize) -> io::Result<()> {
 
 #[cold]
 fn not_a_channel(channel: f64, place: Place) -> Fault {
-    Fault::new(format!(
-        "{place}: expected a finite number, found `{channel}`"
-    ))
+    let at = place.at().part(Part::Number(channel));
+    at.fault(format!("expected a finite number, found `{channel}`"))
 }
 
 #[cold]
@@ -398,9 +405,9 @@ fn not_finite(at: DVec3, place: Place) -> Fault {
     let coordinates = COORDINATES.into_iter().zip(at.to_array());
     let mut bad = coordinates.filter(|(_, number)| !number.is_finite());
     let (name, number) = bad.next().unwrap_or_default();
-    Fault::new(format!(
-        "{place}, coordinate `{name}`: expected a finite number, found `{number}`"
-    ))
+    let words = format!("{place}, coordinate `{name}`");
+    let at = At::new(words, place.text_line()).part(Part::Number(number));
+    at.fault(format!("expected a finite number, found `{number}`"))
 }
 
 /// Parses a number of a text.

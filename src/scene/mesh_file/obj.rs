@@ -11,7 +11,7 @@ use glam::DVec3;
 use crate::{
     scene::{
         mesh_file::{Flaw, MOST, MeshFile, Note, Request, place::Place, push, stream::Stream},
-        table::{Fault, ReadError},
+        table::{At, Fault, Part, ReadError},
     },
     text::nearest::quote,
     tracer::shape::mesh::MeshGroup,
@@ -145,19 +145,20 @@ impl Reader {
                 self.group(words.join(" "));
             }
             b"usemtl" | b"mtllib" => self.mesh.once(Flaw::Material, || {
-                let message = format!("line {line}: the materials of an OBJ file are not used");
-                Fault::new(message).help("give the mesh one `material`")
+                let fault = At::line(line).fault("the materials of an OBJ file are not used");
+                fault.help("give the mesh one `material`")
             }),
             b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.mesh.once(Flaw::NotFace, || {
                 let keyword = quote(&String::from_utf8_lossy(keyword));
-                let message = format!("line {line}: {keyword} is not used, only faces `f`");
-                Fault::new(message)
+                At::line(line).fault(format!("{keyword} is not used, only faces `f`"))
             }),
             _ if keyword.starts_with(b"#") || SKIPPED.contains(&keyword) => {}
             _ => self.mesh.note(Flaw::Line, || {
-                let keyword = quote(&String::from_utf8_lossy(keyword));
-                Fault::new(format!(
-                    "line {line}: {keyword} is not a statement of an OBJ file"
+                let keyword = String::from_utf8_lossy(keyword);
+                let at = At::line(line).word(&*keyword);
+                at.fault(format!(
+                    "{} is not a statement of an OBJ file",
+                    quote(&keyword)
                 ))
             }),
         }
@@ -183,7 +184,7 @@ impl Reader {
         let (numbers, count) = mesh.numbers(line, words);
         if !matches!(count, 3 | 4 | 6) {
             mesh.note(Flaw::Length, || {
-                let fault = Fault::new(format!("{place}: {count} numbers in a vertex"));
+                let fault = place.fault(format!("{count} numbers in a vertex"));
                 fault.help("write x, y and z, and r, g and b behind them if it has a color")
             });
         }
@@ -224,9 +225,9 @@ impl Reader {
                 .and_then(|text| text.parse().ok());
             let Some(index) = index else {
                 self.mesh.note(Flaw::Number, || {
-                    let word = quote(&String::from_utf8_lossy(word));
-                    let fault =
-                        Fault::new(format!("line {line}: {word} is not a corner of a face"));
+                    let word = String::from_utf8_lossy(word);
+                    let at = At::line(line).word(&*word);
+                    let fault = at.fault(format!("{} is not a corner of a face", quote(&word)));
                     fault.help("write the number of a vertex, or `vertex/texture/normal`")
                 });
                 return Ok(());
@@ -248,10 +249,11 @@ impl Reader {
             && let Some(line) = self.first_white
         {
             self.white()?;
-            let message = format!("line {line}: a vertex without a color is white");
+            let fault = At::line(line).fault("a vertex without a color is white");
             self.mesh.notes.push(Note {
                 flaw: Flaw::Colorless,
-                fault: Fault::new(message).help("give all vertices a color, or none"),
+                fault: fault.help("give all vertices a color, or none"),
+                before: 0,
                 count: self.whites,
             });
         }
@@ -290,5 +292,6 @@ fn missing(line: u64, index: i64, vertices: usize) -> Fault {
             format!("vertex {index} does not exist, the file has {vertices}, 1 to {vertices}")
         }
     };
-    Fault::new(format!("line {line}: {message}"))
+    let at = At::line(line).part(Part::Number(index as f64));
+    at.fault(message)
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::scene::table::{At, Fault};
+
 /// A line or a byte of a file, and the row of an element that is there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -30,6 +32,24 @@ impl Place {
     pub(super) const fn row(self, element: &'static str, row: usize) -> Self {
         let (row, spot) = (Some((element, row)), self.spot);
         Self { row, spot }
+    }
+
+    /// Returns the line, if the file is a text.
+    pub(super) const fn text_line(self) -> Option<u64> {
+        match self.spot {
+            Spot::Line(line) => Some(line),
+            Spot::Byte(_) => None,
+        }
+    }
+
+    /// Returns the place as that of a fault.
+    pub(super) fn at(self) -> At {
+        At::new(self.to_string(), self.text_line())
+    }
+
+    /// Creates a fault at this place.
+    pub(super) fn fault(self, what: impl fmt::Display) -> Fault {
+        self.at().fault(what)
     }
 }
 

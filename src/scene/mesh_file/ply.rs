@@ -14,7 +14,7 @@ use crate::{
             Flaw, MeshFile, Request, place::Place, ply_row::Row, push, reserve, stream::Stream,
         },
         table::{
-            Fault, ReadError,
+            At, Fault, Part, ReadError,
             layout::{COLORS, Endian, VALUE},
             ply::{
                 BEHIND, Selected, Selection, VERTEX,
@@ -195,12 +195,12 @@ impl Reader {
             };
             match (read, corners) {
                 (Err((flaw, what)), _) => mesh.note(flaw, || {
-                    let place = match element.name.as_str() {
+                    let words = match element.name.as_str() {
                         VERTEX => place.row(VERTEX, row).to_string(),
                         FACE => place.row(FACE, row).to_string(),
                         other => format!("element {}, {}", quote(other), place.row("row", row)),
                     };
-                    Fault::new(format!("{place}: {what}"))
+                    At::new(words, place.text_line()).fault(what)
                 }),
                 (Ok(()), Some(corners)) if is_face => {
                     self.face(mesh, corners, place.row(FACE, row))?;
@@ -304,7 +304,8 @@ impl Reader {
                 0 => "the file has none".to_owned(),
                 _ => format!("the file has {count}, 0 to {}", count - 1),
             };
-            Fault::new(format!("{place}: vertex {number} does not exist, {has}"))
+            let at = place.at().part(Part::Number(number));
+            at.fault(format!("vertex {number} does not exist, {has}"))
         });
     }
 
@@ -313,8 +314,8 @@ impl Reader {
         if self.encoding == Encoding::Ascii {
             if let Some((line, _)) = file.line(|_, _| false)? {
                 mesh.note(Flaw::Behind, || {
-                    Fault::new(format!("line {line}: text after the last row is not read"))
-                        .help(BEHIND)
+                    let fault = At::line(line).fault("text after the last row is not read");
+                    fault.help(BEHIND)
                 });
             }
         } else if file.remaining() > 0 {

@@ -18,7 +18,7 @@ use crate::{
             stl_facet::{Facet, is_like_a_number},
             stream::Stream,
         },
-        table::{Fault, ReadError, bytes::LONGEST_LINE},
+        table::{At, Fault, ReadError, bytes::LONGEST_LINE},
     },
     text::nearest::{list, quote},
     tracer::shape::mesh::MeshGroup,
@@ -192,8 +192,8 @@ impl Reader {
             None if is(word, "color") => {
                 self.may_skip_numbers = true;
                 self.mesh.once(Flaw::Material, || {
-                    let message = format!("line {line}: the colors of an STL file are not used");
-                    Fault::new(message).help("give the mesh one `color` or `material`")
+                    let fault = At::line(line).fault("the colors of an STL file are not used");
+                    fault.help("give the mesh one `color` or `material`")
                 });
                 Ok(())
             }
@@ -227,8 +227,9 @@ impl Reader {
             let state = self.state;
             self.skipped = Some(line);
             self.mesh.note(Flaw::Line, || {
-                let (expected, word) = (expected(state), quote(&String::from_utf8_lossy(word)));
-                Fault::new(format!("line {line}: expected {expected}, found {word}"))
+                let (expected, word) = (expected(state), String::from_utf8_lossy(word));
+                let at = At::line(line).word(&*word);
+                at.fault(format!("expected {expected}, found {}", quote(&word)))
             });
             return Ok(());
         };
@@ -290,7 +291,7 @@ impl Reader {
         } = vertex;
         if count != numbers.len() {
             self.mesh.note(Flaw::Length, || {
-                Fault::new(format!("line {line}: {count} numbers, expected 3"))
+                At::line(line).fault(format!("{count} numbers, expected 3"))
             });
         }
         let at = DVec3::from_array(numbers);

@@ -420,15 +420,25 @@ fn faults_have_a_place() {
         |vertices: &[&str], faces: &[&str]| faults(ply(vertices, faces).as_bytes(), Format::Ply);
     assert_eq!(
         wrong(&["0 0 nan 1", "inf 0 0 1", "0 0 0 1"], &["3 0 1 2"]),
-        ["vertex 0 (line 11), coordinate `z`: expected a finite number, found `NaN` (2)"]
+        [
+            "vertex 0 (line 11), coordinate `z`: expected a finite number, found `NaN`",
+            "vertex 1 (line 12), coordinate `x`: expected a finite number, found `inf`",
+        ]
     );
     assert_eq!(
         wrong(&CORNERS, &["3 0 1 2", "4 0 1 2 4", "3 -1 0 1"]),
-        ["face 1 (line 16): vertex 4 does not exist, the file has 4, 0 to 3 (2)"]
+        [
+            "face 1 (line 16): vertex 4 does not exist, the file has 4, 0 to 3",
+            "face 2 (line 17): vertex -1 does not exist, the file has 4, 0 to 3",
+        ]
     );
     assert_eq!(
         wrong(&CORNERS, &["2 0 1", "3 0 1 2", "0", "1 3"]),
-        ["face 0 (line 15): a face with 2 corners is not used (3)"]
+        [
+            "face 0 (line 15): a face with 2 corners is not used",
+            "face 2 (line 17): a face with 0 corners is not used",
+            "face 3 (line 18): too few numbers",
+        ]
     );
     assert_eq!(
         wrong(&CORNERS, &["3 0 1 2", "3 1 1 2", "3 0 1 2.5", "3 0 1"]),
@@ -448,24 +458,35 @@ fn faults_have_a_place() {
     let wrong = |text: &str| faults(text.as_bytes(), Format::Obj);
     assert_eq!(
         wrong("v 0 0 0\nv 1 0 0\nf 1 2 4\nv 0 1 0\nf 0 1 2\nf -5 1 2\n"),
-        ["line 5: vertex 0 does not exist, the first is 1 (3)"]
+        [
+            "line 5: vertex 0 does not exist, the first is 1",
+            "line 6: vertex -5 does not exist, there are 3 before it",
+            "line 3: vertex 4 does not exist, the file has 3, 1 to 3",
+        ]
     );
     assert_eq!(
         wrong("v 0 0 0\nf 1 2 3\nv 1 0 0\nf 1 2 4\n"),
-        ["line 2: vertex 3 does not exist, the file has 2, 1 to 2 (2)"]
+        [
+            "line 2: vertex 3 does not exist, the file has 2, 1 to 2",
+            "line 4: vertex 4 does not exist, the file has 2, 1 to 2",
+        ]
     );
     assert_eq!(
         wrong("v 0 0\nv 0 0 0 0 0\nv 1 0 O\nvertex 3\nf 1 2\nf 1 x 2\n"),
         [
-            "line 1: 2 numbers in a vertex (2)",
-            "line 3: `O` is not a number (2)",
+            "line 1: 2 numbers in a vertex",
+            "line 2: 5 numbers in a vertex",
+            "line 3: `O` is not a number",
             "line 4: `vertex` is not a statement of an OBJ file",
             "line 5: a face with 2 corners is not used",
         ]
     );
     assert_eq!(
         wrong("v 0 0 0 1 0 0\nv 1 0 0 255 0 0\nv 0 1 0 0 -1 0\nf 1 2 3\n"),
-        ["line 2: a color channel is clamped to 0..1, found `255` (2)"]
+        [
+            "line 2: a color channel is clamped to 0..1, found `255`",
+            "line 3: a color channel is clamped to 0..1, found `-1`",
+        ]
     );
     let wrong = |text: &str| faults(text.as_bytes(), Format::Stl);
     assert_eq!(
@@ -675,15 +696,15 @@ const MARK: &[u8] = "\u{feff}".as_bytes();
 
 #[test]
 fn no_line_takes_the_size_of_the_file() {
-    let longer = "is longer than 1 MiB; lines end with LF, CRLF or CR";
+    let longer = "longer than 1 MiB; lines end with LF, CRLF or CR";
     let blank = " ".repeat(100);
     for (start, format, expected) in [
-        ("v 0 0 0\n#", Format::Obj, format!("line 2 {longer}")),
-        ("v 0 0 \\\n\\\n", Format::Obj, format!("line 1 {longer}")),
+        ("v 0 0 0\n#", Format::Obj, format!("line 2: {longer}")),
+        ("v 0 0 \\\n\\\n", Format::Obj, format!("line 1: {longer}")),
         (
             &format!("solid x\n{blank}"),
             Format::Stl,
-            format!("line 2 {longer}"),
+            format!("line 2: {longer}"),
         ),
         (
             "ply\nformat ascii 1.0\ncomment ",
@@ -711,7 +732,7 @@ fn no_line_takes_the_size_of_the_file() {
         comment(1 << 20),
         ["triangle 0 has no area and is never hit"]
     );
-    assert_eq!(comment(1 + (1 << 20)), [format!("line 1 {longer}")]);
+    assert_eq!(comment(1 + (1 << 20)), [format!("line 1: {longer}")]);
 }
 
 #[test]

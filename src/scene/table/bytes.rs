@@ -7,7 +7,7 @@ use std::{
 
 use memmap2::{MmapMut, MmapOptions};
 
-use crate::scene::table::{Fault, ReadError};
+use crate::scene::table::{At, Fault, ReadError};
 
 /// Number of bytes read at once, small enough for the cache of a core. In tests, a piece of a numpy
 /// array with seven columns ends within the last row of a block.
@@ -56,7 +56,7 @@ pub(super) fn check_lines(text: &[u8], before: usize) -> Result<(), Fault> {
 
 /// The fault of a line longer than the longest.
 pub(crate) fn longer(line: u64) -> Fault {
-    Fault::new(format!("line {line} is longer than 1 MiB"))
+    At::line(line).fault("longer than 1 MiB")
 }
 
 /// A clone is made to be written to, so it holds rows.

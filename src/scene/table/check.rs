@@ -8,7 +8,7 @@ use crate::scene::{
     format::geometry::{clash::why_no_axis, table::RowKind},
     table::{
         extent::Extent,
-        fault::MOST_LISTED,
+        fault::most_listed,
         layout::{Block, COLORS, Column, Layout, OTHER_END, RADIUS, VALUE},
         values::Values,
     },
@@ -170,7 +170,8 @@ fn note(found: &mut Vec<Bad>, (kind, column): (Kind, usize), row: usize, value: 
     let mut all = found.iter_mut();
     let last = all.rfind(|bad| (bad.kind, bad.column) == (kind, column));
     let before = last.as_ref().map_or(0, |bad| bad.before + 1);
-    match last.filter(|_| before >= MOST_LISTED) {
+    let most = most_listed(kind != Kind::Clamped);
+    match last.filter(|_| before >= most) {
         Some(last) => last.count += 1,
         None => found.push(Bad {
             kind,

@@ -17,13 +17,12 @@ use crate::{
         table::{
             Blamed, Fault, ReadError, Request, Table,
             bytes::{LONGEST_LINE, check_lines, read_bytes},
-            cell,
             csv::{
                 blocks::Blocks,
                 commas::Commas,
                 opening::{Opening, Separator, usual_name},
             },
-            fault::Wrong,
+            fault::{At, Part, Wrong},
             layout::{RADIUS, VALUE},
             rows::{Rows, unread},
             select::{Known, Selection, coordinates, other_kind},
@@ -288,10 +287,8 @@ impl Row<'_> {
         let (expected, found) = (self.header.names.len(), self.record.len());
         if expected != found {
             rows.note(Wrong::Length, "", || {
-                let (row, line) = (self.row, self.line());
-                Fault::new(format!(
-                    "row {row} (line {line}): {found} columns, expected {expected}"
-                ))
+                let at = At::row(self.row, Some(self.line()));
+                at.fault(format!("{found} columns, expected {expected}"))
             });
             numbers.extend((0..self.header.numbers()).map(unread));
             return;
@@ -360,14 +357,16 @@ impl Row<'_> {
         (self.lines + line_ends(before) + blank) as u64
     }
 
-    fn cell(&self, column: &str) -> String {
-        cell(self.row, Some(self.line()), column)
+    /// Returns the place of a cell.
+    fn cell(&self, at: usize, column: &str) -> At {
+        let of = self.header.names.len();
+        At::cell(self.row, Some(self.line()), column).part(Part::Cell { at, of })
     }
 
     fn empty(&self, at: usize, help: Option<&str>, rows: &mut Rows) -> f64 {
         let column = self.header.name(at);
         rows.note(Wrong::Empty, column, || {
-            let fault = Fault::new(format!("{}: the cell is empty", self.cell(column)));
+            let fault = self.cell(at, column).fault("the cell is empty");
             match help {
                 Some(help) => fault.help(help),
                 None => fault,
@@ -402,7 +401,8 @@ impl Row<'_> {
         let column = self.header.name(at);
         rows.note(Wrong::Number, column, || {
             let text = quote(&String::from_utf8_lossy(self.text(at)));
-            Fault::new(format!("{}: {text} is not a number", self.cell(column)))
+            let cell = self.cell(at, column);
+            cell.fault(format!("{text} is not a number"))
         })
     }
 
@@ -410,9 +410,9 @@ impl Row<'_> {
         let text = String::from_utf8_lossy(self.text(at));
         hex(&text).unwrap_or_else(|| {
             let unread = rows.note(Wrong::Color, "color", || {
-                let (cell, text) = (self.cell("color"), quote(&text));
-                Fault::new(format!(
-                    "{cell}: {text} is not a color, expected `#rrggbb` or `#rgb`"
+                let (cell, text) = (self.cell(at, "color"), quote(&text));
+                cell.fault(format!(
+                    "{text} is not a color, expected `#rrggbb` or `#rgb`"
                 ))
             });
             [unread; 3]

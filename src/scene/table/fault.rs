@@ -1,6 +1,6 @@
-//! What is wrong with a table, and which field of the scene is at fault.
+//! What is wrong with a table or a mesh, where, and which field of the scene is at fault.
 
-use std::io;
+use std::{fmt::Display, io, ops::Range};
 
 use crate::{
     diagnostic::{Code, Severity, path::Path},
@@ -23,6 +23,92 @@ pub(crate) struct Fault {
     pub(crate) help: Option<String>,
     /// The field of the scene that is at fault.
     pub(crate) blamed: Blamed,
+    /// The place in the file, if the file is a text.
+    pub(crate) spot: Option<Spot>,
+}
+
+/// A place in a text.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Spot {
+    /// The number of the line, from 1.
+    pub(crate) line: u64,
+    pub(crate) part: Part,
+}
+
+/// A part of a line. One that is not found, or found twice, is all of the line.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Part {
+    All,
+    /// Bytes of the line, end exclusive.
+    Bytes(Range<usize>),
+    /// One of this many cells.
+    Cell {
+        at: usize,
+        of: usize,
+    },
+    Word(String),
+    Number(f64),
+}
+
+/// The place of a fault: in words, and in the text if the file is one.
+pub(crate) struct At {
+    words: String,
+    spot: Option<Spot>,
+}
+
+impl At {
+    /// Creates a place in a line of a text.
+    pub(crate) fn new(words: impl Into<String>, line: impl Into<Option<u64>>) -> Self {
+        let part = Part::All;
+        Self {
+            words: words.into(),
+            spot: line.into().map(|line| Spot { line, part }),
+        }
+    }
+
+    /// Creates the place of a line that is not a row.
+    pub(crate) fn line(line: u64) -> Self {
+        Self::new(format!("line {line}"), line)
+    }
+
+    /// Creates the place of a row. Rows count from 0, as every index does; lines of a text from 1, as in
+    /// editors.
+    pub(crate) fn row(row: impl Display, line: Option<u64>) -> Self {
+        let in_text = line.map_or_else(String::new, |line| format!(" (line {line})"));
+        Self::new(format!("row {row}{in_text}"), line)
+    }
+
+    /// Creates the place of a cell.
+    pub(crate) fn cell(row: usize, line: Option<u64>, column: &str) -> Self {
+        Self::row(row, line).in_column(column)
+    }
+
+    /// Names the column.
+    pub(crate) fn in_column(mut self, column: &str) -> Self {
+        self.words += &format!(", column {}", quote(column));
+        self
+    }
+
+    /// Narrows the place down to a part of the line.
+    pub(crate) fn part(mut self, part: Part) -> Self {
+        if let Some(spot) = &mut self.spot {
+            spot.part = part;
+        }
+        self
+    }
+
+    /// Narrows the place down to a word, if it is in the line only once.
+    pub(crate) fn word(self, word: impl Into<String>) -> Self {
+        self.part(Part::Word(word.into()))
+    }
+
+    /// Creates a fault at this place.
+    pub(crate) fn fault(self, what: impl Display) -> Fault {
+        Fault {
+            spot: self.spot,
+            ..Fault::new(format!("{}: {what}", self.words))
+        }
+    }
 }
 
 /// A field of a geometry that names a file.
@@ -53,6 +139,7 @@ impl Fault {
             message: message.into(),
             help: None,
             blamed: Blamed::File,
+            spot: None,
         }
     }
 
@@ -102,17 +189,24 @@ impl Wrong {
         }
     }
 
-    /// The largest number of rows that are listed for such a fault in a column. A warning names one.
+    /// The largest number of rows that are listed for such a fault in a column.
     pub(super) const fn most_listed(self) -> usize {
-        match self.code().severity() {
-            Severity::Error => MOST_LISTED,
-            Severity::Warning => 1,
-        }
+        most_listed(self.is_error())
+    }
+
+    const fn is_error(self) -> bool {
+        matches!(self.code().severity(), Severity::Error)
     }
 }
 
-/// The largest number of rows that are listed for a fault in a column.
-pub(super) const MOST_LISTED: usize = 100;
+/// Returns the largest number of places that are listed for a fault. A warning does not stop the work,
+/// so it must not fill the terminal.
+pub(crate) const fn most_listed(is_error: bool) -> usize {
+    match is_error {
+        true => 100,
+        false => 10,
+    }
+}
 
 /// Rows that have the same fault in the same column.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,7 +229,7 @@ impl BadRows {
 
     /// Returns true if the table must not be used.
     pub(crate) const fn is_error(&self) -> bool {
-        matches!(self.code().severity(), Severity::Error)
+        self.wrong.is_error()
     }
 }
 
@@ -149,16 +243,4 @@ impl From<Fault> for ReadError {
     fn from(fault: Fault) -> Self {
         Self::Invalid(fault)
     }
-}
-
-/// Formats the place of a row for the start of a message. Rows count from 0, as every index does;
-/// lines of a text from 1, as in editors.
-pub(crate) fn row(row: usize, line: Option<u64>) -> String {
-    let line = line.map_or_else(String::new, |line| format!(" (line {line})"));
-    format!("row {row}{line}")
-}
-
-/// The same for a cell.
-pub(crate) fn cell(index: usize, line: Option<u64>, column: &str) -> String {
-    format!("{}, column {}", row(index, line), quote(column))
 }

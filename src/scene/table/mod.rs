@@ -30,7 +30,7 @@ use glam::DVec3;
 
 pub(crate) use check::{Bad, Kind};
 pub(crate) use cloud::Cloud;
-pub(crate) use fault::{BadRows, Blamed, Fault, ReadError, cell, row};
+pub(crate) use fault::{At, BadRows, Blamed, Fault, Part, ReadError, Spot, most_listed};
 pub(crate) use format::Format;
 pub(crate) use layout::Row;
 pub(crate) use select::Names;

@@ -11,7 +11,7 @@ use std::io::{self, Read};
 
 use crate::{
     scene::table::{
-        Defaults, Fault, Names, ReadError, Request, Table,
+        At, Defaults, Fault, Names, ReadError, Request, Table,
         atoms::elements::{Element, NEUTRAL},
         bytes::{BYTE_ORDER_MARK, read_bytes},
         fault::Wrong,
@@ -130,21 +130,18 @@ impl<'a> Atoms<'a> {
     }
 
     /// Notes a number of the next row in whose middle the line ends.
-    fn cut_number(rows: &mut Rows, column: &str, place: &str, text: &str) -> f64 {
+    fn cut_number(rows: &mut Rows, column: &str, at: impl FnOnce(usize) -> At, text: &str) -> f64 {
         let row = rows.rows;
         rows.note(Wrong::End, column, || {
-            Fault::new(format!(
-                "row {row}{place}: the line is cut off after {}",
-                quote(text)
-            ))
+            at(row).fault(format!("the line is cut off after {}", quote(text)))
         })
     }
 
-    /// Notes an unreadable number of the next row, at a place such as ` (line 3), column `x``.
+    /// Notes an unreadable number of the next row.
     fn bad_number(
         rows: &mut Rows,
         column: &str,
-        place: &str,
+        at: impl FnOnce(usize) -> At,
         text: &str,
         help: impl FnOnce() -> Option<String>,
     ) -> f64 {
@@ -156,13 +153,13 @@ impl<'a> Atoms<'a> {
             };
             Fault {
                 help: help(),
-                ..Fault::new(format!("row {row}{place}: {text}"))
+                ..at(row).fault(text)
             }
         })
     }
 
     /// Returns the kind of the next row, an element or anything else, for which a neutral atom stands.
-    fn kind(&mut self, text: &str, place: &str) -> Kind {
+    fn kind(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
         if let Some((number, element)) = Element::of(text) {
             return Kind {
                 number: f64::from(number),
@@ -175,30 +172,29 @@ impl<'a> Atoms<'a> {
         if is_number && text.parse::<u32>().is_err() || text.is_empty() && self.needs_elements {
             let row = self.rows.rows;
             self.rows.note(Wrong::Element, "", || {
-                let text = quote(text);
-                let fault = Fault::new(format!("row {row}{place}: {text} is not an element"));
+                let fault = at(row).fault(format!("{} is not an element", quote(text)));
                 fault.help("write its symbol, such as `C`, or its atomic number")
             });
         }
-        self.neutral(text, place)
+        self.neutral(text, at)
     }
 
     /// Returns the kind of the next row, whose type is a number that is not an atomic number, or a name.
-    fn type_of(&mut self, text: &str, place: &str) -> Kind {
+    fn type_of(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
         if text.parse::<u32>().is_ok() {
-            self.neutral(text, place)
+            self.neutral(text, at)
         } else {
-            self.kind(text, place)
+            self.kind(text, at)
         }
     }
 
-    fn neutral(&mut self, text: &str, place: &str) -> Kind {
+    fn neutral(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
         if self.needs_elements && !text.is_empty() {
             let row = self.rows.rows;
             self.rows.note(Wrong::Kind, "", || {
                 let text = quote(text);
-                let fault = Fault::new(format!(
-                    "row {row}{place}: the kind {text} is not an element, a gray ball stands for it"
+                let fault = at(row).fault(format!(
+                    "the kind {text} is not an element, a gray ball stands for it"
                 ));
                 fault.help("write elements, or give a `radius` and `color` or `color_by`")
             });

@@ -7,7 +7,7 @@ use std::{io::Read, ops::Range};
 
 use super::{Atoms, Column, Own, lines, names, text};
 use crate::{
-    scene::table::{Fault, ReadError, Request, Table, fault::Wrong, rows::Rows},
+    scene::table::{At, Fault, Part, ReadError, Request, Table, fault::Wrong, rows::Rows},
     text::nearest::quote,
 };
 
@@ -65,20 +65,20 @@ pub(in super::super) fn read(
             }
         }
         let (symbol, place) = symbol(bytes);
-        let kind = atoms.kind(&symbol, &place_of(line, &place));
+        let kind = atoms.kind(&symbol, &|row| at_columns(row, line, &place));
         let number = |rows: &mut Rows, (name, range): &(&str, Range<usize>), optional| {
             let text = number_at(bytes, range);
             if text.is_empty() && optional {
                 return f64::NAN;
             }
+            let at = |row| at_columns(row, line, range);
             if bytes.len() < range.end && !optional && !text.is_empty() {
-                return Atoms::cut_number(rows, name, &place_of(line, range), &text);
+                return Atoms::cut_number(rows, name, at, &text);
             }
             let number = text.parse();
             number.unwrap_or_else(|_| {
-                let place = place_of(line, range);
                 let help = || (!optional).then(|| shifted(bytes)).flatten();
-                Atoms::bad_number(rows, name, &place, &text, help)
+                Atoms::bad_number(rows, name, at, &text, help)
             })
         };
         let center = CENTER
@@ -138,8 +138,8 @@ fn has_center(line: &[u8]) -> bool {
 #[cold]
 fn nearly(line: u64, name: &[u8]) -> Fault {
     let name = String::from_utf8_lossy(name.trim_ascii_end());
-    let message = format!("line {line}: {} is not a record", quote(&name));
-    Fault::new(message).help("write `ATOM` or `HETATM`, in capitals from the first column")
+    let fault = At::line(line).fault(format!("{} is not a record", quote(&name)));
+    fault.help("write `ATOM` or `HETATM`, in capitals from the first column")
 }
 
 /// Returns the help for a line whose coordinates stand in other columns than they must, if it is one.
@@ -198,6 +198,8 @@ fn symbol(line: &[u8]) -> (String, Range<usize>) {
 }
 
 /// Returns the place of a fault; columns count from 1, as in the description of the format.
-fn place_of(line: u64, range: &Range<usize>) -> String {
-    format!(" (line {line}, columns {}-{})", range.start + 1, range.end)
+fn at_columns(row: usize, line: u64, range: &Range<usize>) -> At {
+    let (first, last) = (range.start + 1, range.end);
+    let words = format!("row {row} (line {line}, columns {first}-{last})");
+    At::new(words, line).part(Part::Bytes(range.clone()))
 }

@@ -8,7 +8,7 @@ use std::{borrow::Cow, collections::HashSet, io::Read};
 
 use super::{Atoms, COLUMNS, Column, Own, lines, text};
 use crate::{
-    scene::table::{Fault, ReadError, Request, Table, fault::Wrong},
+    scene::table::{At, Fault, Part, ReadError, Request, Table, fault::Wrong},
     text::nearest::quote,
 };
 
@@ -24,8 +24,10 @@ pub(in super::super) fn read(
     let first = String::from_utf8_lossy(first);
     let first = first.trim();
     let count: usize = first.parse().map_err(|_| {
-        let message = format!("line 1: {} is not the number of atoms", quote(first));
-        Fault::new(message).help("the first lines are the number of atoms and a comment")
+        let message = format!("{} is not the number of atoms", quote(first));
+        At::line(1)
+            .fault(message)
+            .help("the first lines are the number of atoms and a comment")
     })?;
     let (_, comment) = lines.next().unwrap_or_default();
     let mut lines = lines.peekable();
@@ -58,26 +60,28 @@ pub(in super::super) fn read(
         };
         let words: Vec<_> = words(bytes).collect();
         let word = |at: usize| words.get(at).map_or("", |word| word);
-        let place = format!(" (line {line})");
         if words.len() < layout.width {
             let (found, expected) = (words.len(), layout.width);
             atoms.rows.note(Wrong::Length, "", || {
-                Fault::new(format!(
-                    "row {row}{place}: {found} columns, expected {expected}"
-                ))
+                let at = At::row(row, Some(line));
+                at.fault(format!("{found} columns, expected {expected}"))
             });
         }
+        let of = words.len();
+        let row_at = |row: usize| At::row(row, Some(line));
+        let cell = |at| move |row| row_at(row).part(Part::Cell { at, of });
         let kind = match layout.species {
-            Species::Element(at) => atoms.kind(letters(word(at)), &place),
-            Species::Type(at) => atoms.type_of(letters(word(at)), &place),
-            Species::None => atoms.kind("", &place),
+            Species::Element(at) => atoms.kind(letters(word(at)), &cell(at)),
+            Species::Type(at) => atoms.type_of(letters(word(at)), &cell(at)),
+            Species::None => atoms.kind("", &row_at),
         };
         let center = [0, 1, 2].map(|axis| {
-            let text = word(layout.position + axis);
+            let at = layout.position + axis;
+            let text = word(at);
             text.parse().unwrap_or_else(|_| {
                 let name = ["x", "y", "z"][axis];
-                let place = format!("{place}, column `{name}`");
-                Atoms::bad_number(&mut atoms.rows, name, &place, text, || None)
+                let place = |row| cell(at)(row).in_column(name);
+                Atoms::bad_number(&mut atoms.rows, name, place, text, || None)
             })
         });
         let more = |rows: &mut _, column| {
@@ -91,8 +95,8 @@ pub(in super::super) fn read(
             };
             let text = word(at);
             Some(text.parse().unwrap_or_else(|_| {
-                let place = format!("{place}, column {}", quote(name));
-                Atoms::bad_number(rows, name, &place, text, || None)
+                let place = |row| cell(at)(row).in_column(name);
+                Atoms::bad_number(rows, name, place, text, || None)
             }))
         };
         atoms.push(center, kind, line, more)?;
@@ -106,7 +110,7 @@ pub(in super::super) fn read(
             .is_err()
     {
         atoms.rows.note(Wrong::End, "", || {
-            Fault::new(format!("line {line}: text after the last of {count} atoms"))
+            At::line(line).fault(format!("text after the last of {count} atoms"))
         });
     }
     Ok(atoms.into_table())
@@ -114,7 +118,7 @@ pub(in super::super) fn read(
 
 #[cold]
 fn point() -> Fault {
-    let fault = Fault::new("line 3: three numbers, expected an element and three numbers");
+    let fault = At::line(3).fault("three numbers, expected an element and three numbers");
     fault.help("a cloud of points has no number of atoms: remove the first line")
 }
 
@@ -146,7 +150,7 @@ struct Layout {
 }
 
 fn wrong(what: &str) -> Fault {
-    let fault = Fault::new(format!("line 2: {what} in `Properties`"));
+    let fault = At::line(2).fault(format!("{what} in `Properties`"));
     fault.help("they are names, types and counts, such as `species:S:1:pos:R:3:energy:R:1`")
 }
 
@@ -211,9 +215,8 @@ impl Layout {
         for (name, _) in &more {
             if known(name) || !seen.insert(name) {
                 let name = quote(name);
-                return Err(Fault::new(format!(
-                    "line 2: {name} is given twice in `Properties`"
-                )));
+                let at = At::line(2);
+                return Err(at.fault(format!("{name} is given twice in `Properties`")));
             }
         }
         Ok(Self {

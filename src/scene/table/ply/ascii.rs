@@ -4,8 +4,8 @@ use std::{iter::Enumerate, str::Split};
 
 use crate::{
     scene::table::{
-        Defaults, Fault, ReadError, Table, cell,
-        fault::Wrong,
+        Defaults, Fault, ReadError, Table,
+        fault::{At, Part, Wrong},
         layout::Scalar,
         ply::{
             BEHIND, Selected, Selection, VERTEX,
@@ -62,8 +62,8 @@ pub(super) fn read(
         }
     }
     let behind = lines.next().map(|(line, _)| {
-        let message = format!("line {line}: text after the last row is not read");
-        Fault::new(message).help(BEHIND)
+        let fault = At::line(line).fault("text after the last row is not read");
+        fault.help(BEHIND)
     });
     Ok(Table {
         behind,
@@ -94,18 +94,15 @@ fn words<'a>(
 ) -> Result<Vec<&'a str>, Fault> {
     let mut rest = text.split_ascii_whitespace();
     let mut words = Vec::with_capacity(element.properties.len());
-    let place = || format!("{} (line {line})", row_of(element, row));
-    let short = || Fault::new(format!("{}: too few numbers", place()));
+    let place = || At::new(format!("{} (line {line})", row_of(element, row)), line);
+    let short = || place().fault("too few numbers");
     for property in &element.properties {
         let word = rest.next().ok_or_else(short)?;
         words.push(word);
         if let Type::List { .. } = property.kind {
             let length: usize = word.parse().map_err(|_| {
-                Fault::new(format!(
-                    "{}: {} is not the length of a list",
-                    place(),
-                    quote(word)
-                ))
+                let place = place().word(word);
+                place.fault(format!("{} is not the length of a list", quote(word)))
             })?;
             if length > 0 {
                 rest.nth(length - 1).ok_or_else(short)?;
@@ -113,7 +110,7 @@ fn words<'a>(
         }
     }
     match rest.next() {
-        Some(_) => Err(Fault::new(format!("{}: too many numbers", place()))),
+        Some(_) => Err(place().fault("too many numbers")),
         None => Ok(words),
     }
 }
@@ -133,8 +130,9 @@ fn numbers(
             let property = element.properties.get(selected.index);
             let name = property.map_or("", |property| &property.name);
             rows.note(Wrong::Number, name, || {
-                let (cell, word) = (cell(row, Some(line), name), quote(word));
-                Fault::new(format!("{cell}: {word} is not a number of its type"))
+                let (at, of) = (selected.index, element.properties.len());
+                let cell = At::cell(row, Some(line), name).part(Part::Cell { at, of });
+                cell.fault(format!("{} is not a number of its type", quote(word)))
             })
         })
     };

@@ -1,7 +1,7 @@
 //! The header of a PLY file: elements, each with its properties, in the order of the file.
 
 use crate::{
-    scene::table::{Fault, bytes::BYTE_ORDER_MARK, layout::Scalar, ply::VERTEX},
+    scene::table::{At, Fault, bytes::BYTE_ORDER_MARK, layout::Scalar, ply::VERTEX},
     text::nearest::quote,
 };
 
@@ -112,11 +112,11 @@ impl Header {
             }
             let line = str::from_utf8(line).map_err(|_| {
                 let line = quote(&String::from_utf8_lossy(line));
-                Fault::new(format!("line {number}: {line} is not UTF-8"))
+                At::line(number).fault(format!("{line} is not UTF-8"))
             })?;
             let wrong = || {
                 let line = quote(line);
-                Fault::new(format!("line {number}: {line} is not a header line"))
+                At::line(number).fault(format!("{line} is not a header line"))
             };
             let words: Vec<_> = line.split_ascii_whitespace().collect();
             match words.as_slice() {

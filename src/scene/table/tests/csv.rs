@@ -200,14 +200,14 @@ fn a_line_without_end_is_not_read_to_the_end_of_the_file() {
         let Err(ReadError::Invalid(fault)) = read else {
             panic!("{read:?}");
         };
-        assert_eq!(fault.message, format!("line {line} is longer than 1 MiB"));
+        assert_eq!(fault.message, format!("line {line}: longer than 1 MiB"));
         assert!(rest.limit() > length - (1 << 24), "line {line}");
     }
     // The same for one that ends, in a column that is not read.
     let name = |length| format!("x,y,z,a\n{usual}0,0,0,{}\n{usual}", "b".repeat(length));
     let rows = |length: usize| rows(name(length).as_bytes(), Format::Csv).map(|rows| rows.len());
     assert_eq!(rows((1 << 20) - "0,0,0,".len()), Ok(81));
-    let longer = "line 42 is longer than 1 MiB; a row of a table is one line";
+    let longer = "line 42: longer than 1 MiB; a row of a table is one line";
     assert_eq!(rows(1 << 20), Err(longer.to_owned()));
 }
 
