@@ -83,6 +83,14 @@ fn a_table_that_changes_is_drawn(browser: &Browser) {
     let table = page.preview.folder().join("atoms.csv");
     page.and_draw(|| fs::write(&table, "x,y,z\n0,1.5,0\n").unwrap());
     assert_eq!(page.color("picture", (31, 11)), [255, 255, 255, 255]);
+    page.and_reach("broken", || fs::write(&table, "x,y,z\n0,q,0\n").unwrap());
+    // A fault of the table is shown at its own line.
+    let shown = page.text("diagnostics.textContent");
+    assert!(
+        shown.contains("atoms.csv:2:3 error[invalid-table] row 0 (line 2)"),
+        "{shown}"
+    );
+    assert!(shown.contains("(used by 10:"), "{shown}");
     page.and_draw(|| fs::write(&table, "x,y,z\n0,-1.5,0\n").unwrap());
     assert_eq!(page.color("picture", (31, 36)), [255, 255, 255, 255]);
 }

@@ -8,7 +8,7 @@ use strahl::{
     text::Lines,
 };
 
-use super::places::{PlacedEdit, Span};
+use super::places::{Place, PlacedEdit, Span};
 
 /// The most diagnostics that a page gets.
 const MOST: usize = 200;
@@ -24,6 +24,16 @@ pub(super) struct Finding {
     span: Span,
     labels: Vec<PlacedLabel>,
     fix: Option<PlacedFix>,
+    /// The place in the table or the mesh that is at fault.
+    in_file: Option<PlaceInFile>,
+}
+
+#[derive(Serialize)]
+struct PlaceInFile {
+    file: String,
+    #[serde(flatten)]
+    place: Place,
+    message: String,
 }
 
 #[derive(Serialize)]
@@ -73,6 +83,14 @@ impl Finding {
             span: Span::new(lines, &fault.range),
             labels: labels.collect(),
             fix: fault.fix.as_ref().map(fix),
+            in_file: fault.in_file.as_ref().map(|in_file| {
+                let lines = Lines::after(in_file.line - 1, &in_file.text);
+                PlaceInFile {
+                    file: in_file.file.clone(),
+                    place: Place::new(&lines, in_file.range.start),
+                    message: in_file.message.clone(),
+                }
+            }),
         }
     }
 }

@@ -188,14 +188,27 @@ impl<'a> Atoms<'a> {
         }
     }
 
+    /// Returns the kind of the next row, which is a type with a letter as its name.
+    fn lettered(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
+        let why = match text {
+            "A" => "is not an element",
+            _ => "is a type as `A` is, and not an element",
+        };
+        self.gray(text, why, at)
+    }
+
     fn neutral(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
+        self.gray(text, "is not an element", at)
+    }
+
+    /// Returns the kind of an atom that is not an element, for this reason.
+    fn gray(&mut self, text: &str, why: &str, at: &impl Fn(usize) -> At) -> Kind {
         if self.needs_elements && !text.is_empty() {
             let row = self.rows.rows;
             self.rows.note(Wrong::Kind, "", || {
                 let text = quote(text);
-                let fault = at(row).fault(format!(
-                    "the kind {text} is not an element, a gray ball stands for it"
-                ));
+                let fault =
+                    at(row).fault(format!("the kind {text} {why}, a gray ball stands for it"));
                 fault.help("write elements, or give a `radius` and `color` or `color_by`")
             });
         }
@@ -237,7 +250,7 @@ fn text(reader: impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
 
 /// Returns the lines of a text with their numbers, without their ends and without a byte order mark.
 /// In the files of old Macs, they end with CR.
-fn lines(text: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
+fn lines(text: &[u8]) -> impl Iterator<Item = (u64, &[u8])> + Clone {
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
     let text = text.strip_suffix(&[end]).unwrap_or(text);

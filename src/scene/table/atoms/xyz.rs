@@ -51,6 +51,7 @@ pub(in super::super) fn read(
     if layout.species == Species::None && atoms.needs_elements {
         return Err(wrong("there is no `species:S:1`, `Z:I:1` or `type:I:1`").into());
     }
+    let is_lettered = atoms.needs_elements && is_lettered(&lines, count, layout.species);
     for row in 0..count {
         let Some((line, bytes)) = lines.next() else {
             atoms.rows.note(Wrong::End, "", || {
@@ -71,6 +72,9 @@ pub(in super::super) fn read(
         let row_at = |row: usize| At::row(row, Some(line));
         let cell = |at| move |row| row_at(row).part(Part::Cell { at, of });
         let kind = match layout.species {
+            Species::Element(at) | Species::Type(at) if is_lettered => {
+                atoms.lettered(word(at), &cell(at))
+            }
             Species::Element(at) => atoms.kind(letters(word(at)), &cell(at)),
             Species::Type(at) => atoms.type_of(letters(word(at)), &cell(at)),
             Species::None => atoms.kind("", &row_at),
@@ -228,6 +232,27 @@ impl Layout {
             width: at,
         })
     }
+}
+
+/// Returns true if the kinds of the first atoms are the first letters of the alphabet: `A`, `B` and so on, as
+/// simulations name their types. They are not elements then, although `B`, `C`, `F` and others are symbols.
+fn is_lettered<'a>(
+    lines: &(impl Iterator<Item = (u64, &'a [u8])> + Clone),
+    count: usize,
+    species: Species,
+) -> bool {
+    let (Species::Element(at) | Species::Type(at)) = species else {
+        return false;
+    };
+    let mut found = 0_u32;
+    for (_, line) in lines.clone().take(count) {
+        match words(line).nth(at).as_deref().map(str::as_bytes) {
+            Some([letter @ b'A'..=b'Z']) => found |= 1 << (letter - b'A'),
+            _ => return false,
+        }
+    }
+    // One bit for each letter, without a gap.
+    found & 1 == 1 && found & (found + 1) == 0
 }
 
 /// The start of the comment in files of LAMMPS, which have numbers of types.

@@ -249,3 +249,35 @@ fn atoms_have_colors_and_radii_of_their_own() {
     let table = wanted(text.as_bytes(), Format::Xyz, &request).unwrap();
     assert_eq!(table.values().unwrap().range(), Some([0.0, 1.0]));
 }
+
+#[test]
+fn kinds_that_are_the_first_letters_are_types() {
+    let read = |kinds: &str| {
+        let rows: String = kinds
+            .chars()
+            .map(|kind| format!("{kind} 0 0 0\n"))
+            .collect();
+        radii(&format!("{}\n\n{rows}", kinds.len()), Format::Xyz)
+    };
+    let boron = 1.91;
+    for (kinds, expected) in [
+        ("AB", vec![NEUTRAL; 2]),
+        ("BAABC", vec![NEUTRAL; 5]),
+        ("A", vec![NEUTRAL]),
+        // There is a gap, or no `A`.
+        ("AC", vec![NEUTRAL, C]),
+        ("ACO", vec![NEUTRAL, C, O]),
+        ("BC", vec![boron, C]),
+        ("B", vec![boron]),
+    ] {
+        assert_eq!(read(kinds).0, expected, "{kinds}");
+    }
+    let (_, messages) = read("AB");
+    assert!(
+        messages[1].contains("(line 4): the kind `B` is a type as `A` is"),
+        "{messages:?}"
+    );
+    // Names, columns and numbers are as before.
+    let named = "2\nProperties=pos:R:3:species:S:1\n0 0 0 A\n1 0 0 B\n";
+    assert_eq!(radii(named, Format::Xyz).0, [NEUTRAL; 2]);
+}

@@ -25,6 +25,8 @@ export interface Finding extends Span {
   path: string;
   labels: (Span & { message: string })[];
   fix: { is_safe: boolean; edits: Edit[] } | null;
+  /** The place in the table or the mesh that is at fault; the span is that of its name in the scene. */
+  in_file: (Place & { file: string; message: string }) | null;
 }
 
 export interface SceneState {

@@ -43,9 +43,11 @@ function entry(finding: Finding, hand: Hand): HTMLElement {
   go.className = "problem";
   const place = document.createElement("span");
   place.className = "place";
-  place.textContent = `${finding.from.line}:${finding.from.column} ${finding.severity}[${finding.code}]`;
+  const own = finding.in_file;
+  const at = own ? `${own.file}:${own.line}:${own.column}` : `${finding.from.line}:${finding.from.column}`;
+  place.textContent = `${at} ${finding.severity}[${finding.code}]`;
   const message = document.createElement("span");
-  message.textContent = ` ${finding.message}`;
+  message.textContent = ` ${own ? `${own.message} (used by ${finding.from.line}:${finding.from.column})` : finding.message}`;
   go.append(place, message);
   go.addEventListener("click", () => hand.jump(finding));
   item.append(go);
