@@ -31,7 +31,7 @@ pub(super) fn place(
     files: &Folder<'_>,
 ) {
     let wanted = problems.iter().filter_map(|problem| {
-        let (spot, _) = problem.in_file.as_ref()?;
+        let (spot, _) = problem.in_file.as_deref()?;
         Some((spot.line, None))
     });
     let mut texts: BTreeMap<u64, Option<String>> = wanted.collect();
@@ -45,7 +45,7 @@ pub(super) fn place(
     // The problems keep their place in the scene if the file has changed meanwhile.
     let _ = read_lines(content, &mut texts);
     for problem in problems {
-        if let Some((Spot { line, part }, message)) = &problem.in_file
+        if let Some((Spot { line, part }, message)) = problem.in_file.as_deref()
             && let Some(Some(text)) = texts.get(line)
         {
             problem.diagnostic.in_file = Some(Box::new(InFile {

@@ -74,7 +74,7 @@ impl Place<'_> {
         // The other fields are the scene's own faults.
         let spot = fault.spot.clone().filter(|_| fault.blamed == Blamed::File);
         Problem {
-            in_file: spot.map(|spot| (spot, message)),
+            in_file: spot.map(|spot| Box::new((spot, message))),
             ..problem.help_of(fault.help.clone())
         }
     }

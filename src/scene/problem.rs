@@ -96,7 +96,7 @@ pub(crate) struct Problem {
     /// True if the message ends with the value as written.
     pub(crate) shows_value: bool,
     /// The place in the file that the scene names, if it is a text, and the message without its name.
-    pub(crate) in_file: Option<(Spot, String)>,
+    pub(crate) in_file: Option<Box<(Spot, String)>>,
 }
 
 impl Problem {
