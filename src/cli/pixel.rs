@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
-    Camera, Color, Hit, Ray, Scene, Shape, Size,
+    Camera, Color, Error, Hit, Ray, Scene, Shape, Size,
     material::{Corners, Interpolation},
     render::{Term, Working},
     scene::Origin,
@@ -77,7 +77,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         false => y,
     };
     let camera = scene.camera_for(size)?;
-    let explanation = Explanation::new(&scene, &camera, args.frame.number(), size, (x, y));
+    let explanation = Explanation::new(&scene, &camera, args.frame.number(), size, (x, y))?;
     super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
@@ -308,17 +308,17 @@ impl<'a> Explanation<'a> {
         frame: Option<u32>,
         size: Size,
         (x, y): (u32, u32),
-    ) -> Self {
+    ) -> Result<Self, Error> {
         let (width, height) = (size.width(), size.height());
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
         let world = scene.world();
         let hit = world.hit(&ray);
-        let light = scene.explain(size, x, y);
+        let light = scene.explain(size, x, y)?;
         let light = light.map(|pixel| LightTerms::new(scene, pixel));
         let flat = hit.map_or(world.background(), |(_, hit)| hit.color());
         let color = light.as_ref().map_or(flat, |light| light.color);
         let geometries = world.geometries().iter().enumerate();
-        Self {
+        Ok(Self {
             size,
             frame,
             x,
@@ -363,7 +363,7 @@ impl<'a> Explanation<'a> {
             light,
             color: channels(color),
             byte: color.to_rgb8(),
-        }
+        })
     }
 }
 

@@ -473,11 +473,18 @@ impl Scene {
 
     /// Returns every step from the samples of a pixel to its light; `None` for a flat picture with
     /// one sample per pixel, without outlines. `y` counts from the bottom.
+    ///
+    /// # Errors
+    ///
+    /// Outlines that are too wide for a picture.
     #[doc(hidden)]
-    pub fn explain(&self, size: Size, x: u32, y: u32) -> Option<ExplainedPixel> {
-        let row = size.height().checked_sub(y.checked_add(1)?)?;
-        let is_inside = x < size.width();
-        let camera = self.camera_for(size).ok()?;
+    pub fn explain(&self, size: Size, x: u32, y: u32) -> Result<Option<ExplainedPixel>, Error> {
+        let above = y.checked_add(1);
+        let row = above.and_then(|above| size.height().checked_sub(above));
+        let camera = self.camera_for(size).ok();
+        let (Some(row), Some(camera)) = (row.filter(|_| x < size.width()), camera) else {
+            return Ok(None);
+        };
         let view = View {
             camera: &camera,
             world: &self.world,
@@ -490,7 +497,10 @@ impl Scene {
                 .is_shaded(Wanted::Light),
         };
         let is_one_color = !view.is_shaded && self.samples == Samples::ONE;
-        (is_inside && !is_one_color).then(|| view.explain(x, row))
+        if is_one_color {
+            return Ok(None);
+        }
+        view.explain(x, row).map(Some)
     }
 
     /// Returns the size of the picture given by the scene.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::{
+    diagnostic::error::Error,
     film::{
         Outlines,
         colors::NOTHING,
@@ -70,7 +71,14 @@ pub struct ExplainedSample {
 
 impl View<'_> {
     /// Explains a pixel, counted from the top left, by plain loops.
-    pub(crate) fn explain(&self, column: u32, row: u32) -> ExplainedPixel {
+    ///
+    /// # Errors
+    ///
+    /// Outlines that are too wide for a picture.
+    pub(crate) fn explain(&self, column: u32, row: u32) -> Result<ExplainedPixel, Error> {
+        if let Some(outlines) = &self.outlines {
+            Ink::check(outlines, self.samples)?;
+        }
         let side = self.samples.side();
         let margin = self.outlines.map_or(0, |outlines| outlines.margin());
         let fine = |at: u32, most: u32| {
@@ -117,13 +125,13 @@ impl View<'_> {
             pixel.next().map(|pixel| pixel.color)
         };
         let resolved = (!self.is_shaded).then(resolved).flatten();
-        ExplainedPixel {
+        Ok(ExplainedPixel {
             color: resolved.map_or(self.tone.color(direct + specular), PixelColor::color),
             tone: self.world.lighting().map(|_| self.tone),
             direct,
             specular,
             samples,
-        }
+        })
     }
 
     fn sample(

@@ -86,22 +86,6 @@ impl Hits {
         );
         values
     }
-
-    /// Returns the geometry that all samples of a pixel hit, by pixels; `None` if they differ.
-    pub(super) fn uniform(&self, side: u32) -> Vec<Option<u32>> {
-        let side = side as usize;
-        let width = self.columns.len();
-        let bands = self.ids.chunks(width * side);
-        let pixels = bands.flat_map(|band| {
-            (0..width).step_by(side).map(move |column| {
-                let first = band[column];
-                let rows = band.chunks(width);
-                let mut samples = rows.flat_map(|row| &row[column..column + side]);
-                samples.all(|id| *id == first).then_some(first)
-            })
-        });
-        pixels.collect()
-    }
 }
 
 /// The rays of a rectangle of samples, as columns and rows that add up to them.

@@ -90,6 +90,9 @@ struct Sums {
 impl<Q: Queries + Sync> Shading<'_, Q> {
     /// Shades a part of the picture and passes it on in bands, from the top.
     pub(crate) fn draw(&self, crop: Crop, work: Work, take: Take) -> Result<(), Error> {
+        if let Some(outlines) = &self.outlines {
+            Ink::check(outlines, self.samples)?;
+        }
         let lighting = self.world.lighting();
         let lights = lighting.map_or(&[][..], |lighting| &lighting.lights);
         let shadows: Vec<_> = work.watch.time(|| {
@@ -224,6 +227,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let shade = |rows: Range<u32>| {
             work.cancel.check()?;
             let piece = work.watch.time(|| part.piece(rows));
+            work.cancel.check()?;
             if let Some(progress) = work.progress {
                 progress(piece.pixels() as u64);
             }
@@ -538,6 +542,10 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         }
         if let Some(ink) = &self.ink {
             for (place, column) in columns.enumerate() {
+                // A sample with very many neighbors takes long; the piece is then dropped.
+                if self.work.cancel.is_cancelled() {
+                    return;
+                }
                 if ink.covers(column, row) {
                     samples.set(place, Shaded::direct(ink.color()));
                 }
