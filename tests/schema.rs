@@ -44,7 +44,6 @@ const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
     ("errors", "it opens no part"),
     ("syntax", "it opens no part"),
     ("ring", "it opens no part"),
-    ("elsewhere", "it follows no path"),
     ("of-a-key", "the values of keys have no ranges"),
     ("between-keys", "it draws no frames"),
     ("triangle-without-area", "it does not compare values"),

@@ -15,7 +15,7 @@ use crate::{
         build,
         format::{
             camera::CameraModel, field::Slot, fit::FitModel, geometry::nesting::Ordinal,
-            scene::Model,
+            scene::Model, thing::Thing,
         },
         tables::Tables,
     },

@@ -6,15 +6,14 @@ use crate::{
         format::{
             camera::CameraModel,
             color_by::ColorByModel,
-            field::{Field, Fields, Kind, Slot},
+            field::{Field, Kind, Slot},
             fit::ProjectionModel,
             geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
-            light::LightModel,
             material::MaterialModel,
-            outlines::OutlinesModel,
             scene::Model,
-            transform::{RotateModel, ScaleModel, TransformModel},
+            thing::Thing,
+            transform::{ScaleModel, TransformModel},
         },
         path::{self, Part},
         unknown,
@@ -155,44 +154,7 @@ impl Target {
 
     /// Returns the slot of the value; a missing optional field gets its default.
     pub(crate) fn slot<'m>(&self, model: &'m mut Model) -> Option<Slot<'m>> {
-        let field = self.field;
-        let whole = match self.owner {
-            Owner::Scene => model.slot(field)?,
-            Owner::Image => model.image.get_or_insert_default().slot(field)?,
-            Owner::Outlines => model.outlines.as_mut()?.slot(field)?,
-            Owner::Camera => model.camera.as_mut()?.slot(field)?,
-            Owner::NamedCamera(index) => {
-                let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
-                camera.slot(field)?
-            }
-            Owner::Projection => model.camera.as_mut()?.projection_mut()?.slot(field)?,
-            Owner::NamedProjection(index) => {
-                let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
-                camera.projection_mut()?.slot(field)?
-            }
-            Owner::Light(index) => model.lights.as_mut()?.get_mut(index)?.slot(field)?,
-            Owner::Material(index) => {
-                let (_, material) = model.materials.as_mut()?.0.get_mut(index)?;
-                material.slot(field)?
-            }
-            Owner::Geometry(at) => model.geometry_mut(at)?.slot(field)?,
-            Owner::Surface(at) => {
-                let geometry = model.geometry_mut(at)?;
-                geometry.material_mut()?.slot(field)?
-            }
-            Owner::ColorBy(at) => {
-                let geometry = model.geometry_mut(at)?;
-                geometry.color_by_mut()?.slot(field)?
-            }
-            Owner::Transform(at, instance) => {
-                let geometry = model.geometry_mut(at)?;
-                geometry.transform_of_mut(instance)?.slot(field)?
-            }
-            Owner::Rotation(at, instance) => {
-                let transform = model.geometry_mut(at)?.transform_of_mut(instance)?;
-                transform.rotate.as_mut()?.slot(field)?
-            }
-        };
+        let whole = self.owner.thing_mut(model)?.slot(self.field)?;
         let Some(index) = self.component else {
             return Some(whole);
         };
@@ -208,23 +170,51 @@ impl Target {
 
 impl Owner {
     /// Its fields.
-    pub(crate) fn fields(self, model: &Model) -> &'static [Field] {
-        let fields = match self {
-            Self::Scene => Some(Model::FIELDS),
-            Self::Image => Some(ImageModel::FIELDS),
-            Self::Outlines => Some(OutlinesModel::FIELDS),
-            Self::Camera | Self::NamedCamera(_) => self.camera(model).map(CameraModel::fields),
-            Self::Projection | Self::NamedProjection(_) => {
-                self.projection(model).map(ProjectionModel::fields)
+    fn fields(self, model: &Model) -> &'static [Field] {
+        self.thing(model).map_or(&[], Thing::fields)
+    }
+
+    /// The owner itself.
+    fn thing(self, model: &Model) -> Option<&dyn Thing> {
+        Some(match self {
+            Self::Scene => model,
+            Self::Image => model.image.as_ref().unwrap_or(&ImageModel::NONE),
+            Self::Outlines => &model.outlines,
+            Self::Camera | Self::NamedCamera(_) => self.camera(model)?,
+            Self::Projection | Self::NamedProjection(_) => self.projection(model)?,
+            Self::Light(index) => model.lights.as_ref()?.get(index)?,
+            Self::Material(_) | Self::Surface(_) => self.material(model)?,
+            Self::Geometry(at) => model.geometry(at)?,
+            Self::ColorBy(_) => self.color_by(model)?,
+            Self::Transform(..) => self.transform(model)?,
+            Self::Rotation(..) => &self.transform(model)?.rotate,
+        })
+    }
+
+    /// The same, writable.
+    fn thing_mut(self, model: &mut Model) -> Option<&mut dyn Thing> {
+        Some(match self {
+            Self::Scene => model,
+            Self::Image => model.image.get_or_insert_default(),
+            Self::Outlines => &mut model.outlines,
+            Self::Camera => &mut model.camera,
+            Self::NamedCamera(index) => &mut model.cameras.as_mut()?.0.get_mut(index)?.1,
+            Self::Projection => model.camera.as_mut()?.projection_mut()?,
+            Self::NamedProjection(index) => {
+                let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
+                camera.projection_mut()?
             }
-            Self::Light(_) => self.light(model).map(LightModel::fields),
-            Self::Material(_) | Self::Surface(_) => self.material(model).map(MaterialModel::fields),
-            Self::Geometry(_) => self.geometry(model).map(GeometryModel::fields),
-            Self::ColorBy(_) => Some(ColorByModel::FIELDS),
-            Self::Transform(..) => Some(TransformModel::FIELDS),
-            Self::Rotation(..) => Some(RotateModel::FIELDS),
-        };
-        fields.unwrap_or(&[])
+            Self::Light(index) => model.lights.as_mut()?.get_mut(index)?,
+            Self::Material(index) => &mut model.materials.as_mut()?.0.get_mut(index)?.1,
+            Self::Geometry(at) => model.geometry_mut(at)?,
+            Self::Surface(at) => model.geometry_mut(at)?.material_mut()?,
+            Self::ColorBy(at) => model.geometry_mut(at)?.color_by_mut()?,
+            Self::Transform(at, instance) => model.geometry_mut(at)?.transform_of_mut(instance)?,
+            Self::Rotation(at, instance) => {
+                let transform = model.geometry_mut(at)?.transform_of_mut(instance)?;
+                &mut transform.rotate
+            }
+        })
     }
 
     /// Returns true for a camera or its projection.
@@ -247,14 +237,6 @@ impl Owner {
             Self::NamedCamera(index) | Self::NamedProjection(index) => {
                 Some(&model.cameras.as_ref()?.0.get(index)?.1)
             }
-            _ => None,
-        }
-    }
-
-    /// The light, if it is one.
-    fn light(self, model: &Model) -> Option<&LightModel> {
-        match self {
-            Self::Light(index) => model.lights.as_ref()?.get(index),
             _ => None,
         }
     }
@@ -292,53 +274,11 @@ impl Owner {
         transform.is_some_and(|it| matches!(it.scale, Some(ScaleModel::Axes(_))))
     }
 
-    /// The geometry, if it is one.
-    fn geometry(self, model: &Model) -> Option<&GeometryModel> {
-        match self {
-            Self::Geometry(at) => model.geometry(at),
-            _ => None,
-        }
-    }
-
-    /// Returns true if a field is given or has a default.
+    /// Returns true if a field is given or has a default. The other fields of a matrix are not used.
     fn has_value(self, model: &Model, field: &str) -> bool {
-        /// The slot of a missing field is filled, so a copy is asked.
-        fn asks<T: Clone>(thing: Option<&T>, has: impl Fn(&mut T) -> bool) -> bool {
-            thing.cloned().is_some_and(|mut copy| has(&mut copy))
-        }
-        match self {
-            // The only one that changes has a default.
-            Self::Scene => true,
-            Self::Image => asks(Some(&ImageModel::default()), |image| {
-                image.slot(field).is_some()
-            }),
-            Self::Outlines => asks(model.outlines.as_ref(), |lines| lines.slot(field).is_some()),
-            Self::Camera | Self::NamedCamera(_) => {
-                asks(self.camera(model), |camera| camera.slot(field).is_some())
-            }
-            Self::Projection | Self::NamedProjection(_) => {
-                asks(self.projection(model), |projection| {
-                    projection.slot(field).is_some()
-                })
-            }
-            Self::Light(_) => asks(self.light(model), |light| light.slot(field).is_some()),
-            Self::Material(_) | Self::Surface(_) => asks(self.material(model), |material| {
-                material.slot(field).is_some()
-            }),
-            Self::Geometry(_) => asks(self.geometry(model), |geometry| {
-                geometry.slot(field).is_some()
-            }),
-            Self::ColorBy(_) => asks(self.color_by(model), |by| by.slot(field).is_some()),
-            // The other fields of a matrix are not used.
-            Self::Transform(..) => asks(self.transform(model), |transform| {
-                transform.matrix.is_none() && transform.slot(field).is_some()
-            }),
-            Self::Rotation(..) => {
-                let rotate = self.transform(model);
-                let rotate = rotate.and_then(|transform| transform.rotate.as_ref());
-                asks(rotate, |rotate| rotate.slot(field).is_some())
-            }
-        }
+        let is_matrix = || self.transform(model).is_some_and(|it| it.matrix.is_some());
+        let is_in_matrix = matches!(self, Self::Transform(..)) && is_matrix();
+        !is_in_matrix && self.thing(model).is_some_and(|thing| thing.has(field))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Values between keys, compared with numbers from other formulas.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 
 use super::curve::{color, direction, number, point, scale};
@@ -8,7 +10,7 @@ use crate::{
         format::{
             animation::{
                 Interpolation::{self, Linear, Smooth, Step},
-                Key, changing,
+                Key,
             },
             camera::CameraModel,
             color::ColorModel,
@@ -18,6 +20,7 @@ use crate::{
             light::LightModel,
             material::MaterialModel,
             scene::Model,
+            thing::Type,
             transform::ScaleModel::{Axes, Uniform},
         },
         schema::schema,
@@ -275,22 +278,32 @@ fn the_fields_are_those_of_the_format() {
     }
 }
 
-// In the schema, the name of a field alone determines how the keys of a track are read.
+// In the schema, the first and the last name of a path determine how the keys of a track are read.
 #[test]
 fn fields_of_one_name_are_of_one_kind() {
-    let variants = CameraModel::VARIANTS.iter().chain(GeometryModel::VARIANTS);
-    let variants = variants
-        .chain(LightModel::VARIANTS)
-        .chain(MaterialModel::VARIANTS);
-    for Field { name, kind, .. } in variants.flat_map(|(_, fields)| *fields) {
-        let known = changing().find(|other| other.name == *name);
-        let known = known.map_or(Kind::Fixed, |field| field.kind);
+    fn check(field: &'static Field, known: &mut HashMap<&str, Kind>, depth: usize) {
         // Keys of points and directions are alike.
-        let keys = |kind: Kind| match kind {
+        let kind = match field.kind {
             Kind::Direction => Kind::Point,
-            Kind::Name => Kind::Fixed,
-            other => other,
+            kind if kind.changes() => kind,
+            _ => Kind::Fixed,
         };
-        assert_eq!(keys(known), keys(*kind), "{name}");
+        let other = *known.entry(field.name).or_insert(kind);
+        assert_eq!(other, kind, "{}", field.name);
+        let mut thing = field.thing.filter(|_| depth < 5);
+        while let Some(of_type) = thing {
+            thing = match of_type() {
+                Type::List(inside) | Type::Map(inside) => Some(inside),
+                object => {
+                    object
+                        .fields()
+                        .for_each(|field| check(field, known, depth + 1));
+                    None
+                }
+            };
+        }
+    }
+    for root in Model::FIELDS {
+        check(root, &mut HashMap::new(), 0);
     }
 }

@@ -1,12 +1,16 @@
 //! Completion of the paths of tracks.
 
-use std::{collections::HashSet, fmt::Write as _};
+use std::{collections::HashMap, fmt::Write as _};
 
 use super::{Completion, CompletionKind, names::written, schema_type::key, spot::Finder};
 use crate::{
     scene::{
-        format::{animation::changing, geometry::nesting::FIELD_NAMES, scene::Model},
-        locate::{body, items},
+        format::{
+            field::{Field, Fields},
+            scene::Model,
+            thing::Type,
+        },
+        locate::body,
     },
     text::syntax::NodeId,
 };
@@ -19,40 +23,13 @@ pub(super) const MOST: usize = 200;
 pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<Completion> {
     let mut all = Paths {
         finder,
-        changing: changing().map(|field| field.name).collect(),
+        first_cut,
         found: Vec::new(),
     };
-    let tree = finder.tree;
-    let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
-    for (field, value) in fields {
-        let name = finder.name(field);
-        match &*name {
-            "camera" | "image" | "outlines" => all.add(&name, value),
-            "cameras" | "materials" => {
-                for (entry, value) in tree.fields(value) {
-                    all.add(&step(&name, &finder.name(entry)), value);
-                }
-            }
-            "lights" | Model::LONG => {
-                let is_whole = &*name != Model::LONG;
-                let items = tree
-                    .children(value)
-                    .enumerate()
-                    .filter_map(|(index, item)| {
-                        let named = all.name_of(item).map(|given| step(&name, &given));
-                        let is_counted = is_whole || tree.node(item).range().start < first_cut;
-                        let path = named.or_else(|| is_counted.then(|| format!("{name}[{index}]")));
-                        Some((path?, item))
-                    });
-                let items: Vec<_> = items.take(MOST).collect();
-                for (path, item) in items {
-                    all.add_element(&path, item);
-                }
-            }
-            name if all.changing.contains(name) => all.found.push(name.to_owned()),
-            _ => {}
-        }
+    if let Some(root) = finder.tree.root() {
+        all.add_fields("", Model::FIELDS, root);
     }
+    let tree = finder.tree;
     let syntax = tree.syntax();
     let items = all.found.into_iter().map(|path| {
         let quoted = written(&path, syntax);
@@ -70,45 +47,83 @@ pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<C
 
 struct Paths<'f, 'a> {
     finder: &'f Finder<'a>,
-    /// The names of the fields that can change.
-    changing: HashSet<&'static str>,
+    first_cut: usize,
     found: Vec<String>,
 }
 
 impl Paths<'_, '_> {
-    /// Adds the fields of a thing that can change, and those of its material.
-    fn add(&mut self, path: &str, thing: NodeId) {
+    /// Adds the fields of an object that can change: those that are given, and those with a default.
+    fn add_fields(&mut self, path: &str, fields: &'static [Field], object: NodeId) {
         let tree = self.finder.tree;
-        for (field, value) in tree.fields(body(tree, thing).unwrap_or(thing)) {
-            let name = self.finder.name(field);
-            if name == "material" {
-                self.add(&format!("{path}.material"), value);
-            } else if self.changing.contains(&*name) {
-                self.found.push(format!("{path}.{name}"));
+        let given: HashMap<_, _> = tree
+            .fields(object)
+            .map(|(key, value)| (self.finder.name(key), value))
+            .collect();
+        // Nothing in a matrix can change, and nothing in the animation itself.
+        let is_matrix = given.contains_key("matrix");
+        for field in fields
+            .iter()
+            .filter(|field| !is_matrix && field.name != "animation")
+        {
+            let path = match path {
+                "" => field.name.to_owned(),
+                path => format!("{path}.{}", field.name),
+            };
+            let value = given.get(field.name);
+            if let (Some(of_type), Some(value)) = (field.thing, value) {
+                self.add(&path, of_type(), *value);
+            } else if field.kind.changes() && (value.is_some() || field.has_start) {
+                self.found.push(path);
             }
         }
     }
 
-    /// Adds the fields of a light or a geometry, and those of the geometries inside of it.
-    fn add_element(&mut self, path: &str, thing: NodeId) {
-        self.add(path, thing);
+    /// Adds what can change in a thing.
+    fn add(&mut self, path: &str, of_type: Type, thing: NodeId) {
         let tree = self.finder.tree;
-        for (field, value) in tree.fields(body(tree, thing).unwrap_or(thing)) {
-            let name = self.finder.name(field);
-            if !FIELD_NAMES.contains(&&*name) {
-                continue;
-            }
-            for (index, item) in items(tree, value).into_iter().enumerate().take(MOST) {
-                let path = match self.name_of(item) {
-                    Some(given) => step(Model::LONG, &given),
-                    None if item == value => format!("{path}.{name}"),
-                    None => format!("{path}.{name}[{index}]"),
+        match of_type {
+            Type::Object(fields) => self.add_fields(path, fields, thing),
+            Type::OneOf(variants) => {
+                let inside = body(tree, thing);
+                let name = match inside {
+                    Some(_) => tree
+                        .fields(thing)
+                        .next()
+                        .map(|(key, _)| self.finder.name(key)),
+                    None => tree
+                        .node(thing)
+                        .name()
+                        .map(|name| self.finder.at(name).into()),
                 };
-                self.add_element(&path, item);
+                let variant = variants
+                    .iter()
+                    .find(|(known, _)| name.as_deref() == Some(*known));
+                if let Some((_, fields)) = variant {
+                    self.add_fields(path, fields, inside.unwrap_or(thing));
+                }
+            }
+            Type::Map(of_type) => {
+                for (key, value) in tree.fields(thing).take(MOST) {
+                    self.add(&step(path, &self.finder.name(key)), of_type(), value);
+                }
+            }
+            Type::List(of_type) => {
+                let root = path.split(['.', '[']).next().unwrap_or_default();
+                for (index, item) in tree.children(thing).enumerate().take(MOST) {
+                    let is_counted =
+                        path != Model::LONG || tree.node(item).range().start < self.first_cut;
+                    let path = match self.name_of(item) {
+                        Some(given) => step(root, &given),
+                        None if is_counted => format!("{path}[{index}]"),
+                        None => continue,
+                    };
+                    self.add(&path, of_type(), item);
+                }
             }
         }
     }
 
+    /// Returns the name of an element of a list.
     fn name_of(&self, thing: NodeId) -> Option<String> {
         let tree = self.finder.tree;
         let mut fields = tree.fields(body(tree, thing).unwrap_or(thing));

@@ -1,5 +1,7 @@
 //! Completion, docs and colors at a cursor, which `|` marks.
 
+mod law;
+
 use std::{fs, ops::Range};
 
 use super::{Completions, Elements};

@@ -6,7 +6,7 @@ use schemars::Schema;
 use serde_json::{Value as Json, json};
 
 use crate::{
-    scene::format::{color::ColorModel, transform::ScaleModel},
+    scene::format::{color::ColorModel, thing::Type, transform::ScaleModel},
     tracer::{
         light::BRIGHTEST,
         material::{glass::INDICES, phong::SHARPEST},
@@ -98,6 +98,16 @@ impl Kind {
             | Self::Name
             | Self::Fixed => false,
         }
+    }
+
+    /// Returns true if a field of this kind is a point or a direction.
+    pub(crate) const fn is_vector(self) -> bool {
+        matches!(self, Self::Point | Self::Way | Self::Direction)
+    }
+
+    /// Returns true if a field of this kind has numbers that can change alone.
+    pub(crate) const fn has_elements(self) -> bool {
+        self.changes() && !self.is_number()
     }
 
     /// Returns true if a field of this kind can change over time.
@@ -269,6 +279,10 @@ pub(crate) struct Field {
     pub(crate) kind: Kind,
     /// Its default, if it has one.
     pub(crate) default: Option<fn() -> Json>,
+    /// True if a track can begin without its being given.
+    pub(crate) has_start: bool,
+    /// The type of what is in it, if that has fields or is a list or a map of such.
+    pub(crate) thing: Option<fn() -> Type>,
 }
 
 /// A struct of the format with fields.
@@ -278,9 +292,6 @@ pub(crate) trait Fields {
 
     /// Calls `see` for every field that is given and has a value.
     fn each<'m>(&'m self, see: impl FnMut(Field, Value<'m>));
-
-    /// Returns the slot of a field's value; an optional field with a default is set to it.
-    fn slot(&mut self, name: &str) -> Option<Slot<'_>>;
 }
 
 /// Forwards an enum of structs to the fields of its current variant.
@@ -294,15 +305,6 @@ macro_rules! variants {
                 stringify!($variant),
                 <$thing as $crate::scene::format::field::Fields>::FIELDS,
             )),*];
-
-            /// All fields of the variant.
-            pub(crate) const fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
-                match self {
-                    $(Self::$variant(_) => {
-                        <$thing as $crate::scene::format::field::Fields>::FIELDS
-                    })*
-                }
-            }
 
             /// Calls `see` for every field that is given and has a value.
             #[inline]
@@ -318,15 +320,37 @@ macro_rules! variants {
                     $(Self::$variant(thing) => thing.each(see)),*
                 }
             }
+        }
 
-            /// Returns the slot of a field's value.
-            pub(crate) fn slot(
-                &mut self,
-                name: &str,
-            ) -> Option<$crate::scene::format::field::Slot<'_>> {
-                use $crate::scene::format::field::Fields;
+        impl $crate::scene::format::thing::Thing for $model {
+            fn of_type() -> $crate::scene::format::thing::Type {
+                $crate::scene::format::thing::Type::OneOf(Self::VARIANTS)
+            }
+
+            fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
                 match self {
-                    $(Self::$variant(thing) => thing.slot(name)),*
+                    $(Self::$variant(thing) => thing.fields()),*
+                }
+            }
+
+            fn has(&self, field: &str) -> bool {
+                match self {
+                    $(Self::$variant(thing) => thing.has(field)),*
+                }
+            }
+
+            fn slot(&mut self, field: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
+                match self {
+                    $(Self::$variant(thing) => thing.slot(field)),*
+                }
+            }
+
+            fn things(
+                &self,
+                see: $crate::scene::format::thing::See,
+            ) -> std::ops::ControlFlow<()> {
+                match self {
+                    $(Self::$variant(thing) => thing.things(see)),*
                 }
             }
         }

@@ -33,7 +33,7 @@ object! {
         /// The direction that is up in the picture; (0, 1, 0) is the default.
         up: Direction = UP,
         /// The projection; `Perspective(fov: 35)` is the default.
-        projection: Other(ProjectionModel)?,
+        projection: Thing(ProjectionModel)?,
         /// The part of the picture that is free at least, of the width on the left and on the right, of
         /// the height at the top and at the bottom: at least 0 and below 0.5; 0.05 is the default.
         margin: Margin = Self::MARGIN,

@@ -40,6 +40,15 @@ pub enum ToneMappingModel {
 }
 
 impl ImageModel {
+    /// The image of a scene that does not describe it.
+    pub(crate) const NONE: Self = Self {
+        width: None,
+        height: None,
+        samples: None,
+        exposure: None,
+        tone_mapping: None,
+    };
+
     /// Returns the exposure and the tone mapping with defaults filled in.
     pub(crate) fn tone(&self) -> Tone {
         let mapping = match self.tone_mapping() {

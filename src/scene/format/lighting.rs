@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{scene::format::object::object, tracer::world::Lighting};
+use crate::{
+    scene::format::{field::variants, object::object},
+    tracer::world::Lighting,
+};
 
 /// How light is evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -32,5 +35,11 @@ object! {
         /// The largest number of reflections and refractions of a ray, 0 to 64; a ray that goes deeper
         /// sees the background. 8 is the default.
         max_depth: Depth = Lighting::MAX_DEPTH,
+    }
+}
+
+variants! {
+    LightingModel {
+        Direct(DirectModel),
     }
 }

@@ -1,8 +1,8 @@
 //! The format as plain serde types, one file for each item of a scene file.
 //!
-//! Every name here is a name of the format; every doc comment is a sentence of its manual. A type
-//! lists its fields once, for `fields!` in `field.rs`: the kind of a field determines its check and
-//! whether it can change over time.
+//! Every name here is a name of the format; every doc comment is a sentence of its manual. Each thing
+//! is declared once, with `object!` in `object.rs`: the kind of a field determines its type, its check
+//! and whether it can change over time.
 
 pub(crate) mod animation;
 pub(crate) mod camera;
@@ -23,6 +23,7 @@ pub(crate) mod orthographic;
 pub(crate) mod outlines;
 pub(crate) mod perspective;
 pub(crate) mod scene;
+pub(crate) mod thing;
 pub(crate) mod transform;
 pub(crate) mod warning;
 

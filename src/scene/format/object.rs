@@ -18,8 +18,8 @@
 //!
 //! A field is required, or optional with a default, or optional without one (`?`); `?= value` is
 //! for a field without a default that a track begins with a value. Behind the name of a field
-//! stands its [`Kind`], which determines its type; `Kind(Type)` has another type, and `Choice(Type)`
-//! and `Other(Type)` are for what no number can set.
+//! stands its [`Kind`], which determines its type; `Kind(Type)` has another type, and `Thing(Type)`
+//! has fields of its own, and `Choice(Type)` and `Other(Type)` are for what no number can set.
 //!
 //! [`Kind`]: crate::scene::format::field::Kind
 
@@ -96,7 +96,7 @@ macro_rules! object {
         impl $crate::scene::format::field::Fields for $model {
             const FIELDS: &'static [$crate::scene::format::field::Field] = &[$(
                 $crate::scene::format::object::object!(
-                    @field $field [$($rename)?] $kind [$($most)?] [$($default)?]
+                    @field $field [$($rename)?] $kind [$($most)?] [$($default)?] [$($first)?] $type
                 ),
             )*];
 
@@ -111,15 +111,42 @@ macro_rules! object {
             ) {
                 $($crate::scene::format::object::object!(@each self see $field $kind {
                     $crate::scene::format::object::object!(
-                        @field $field [] $kind [$($most)?] [$($default)?]
+                        @field $field [] $kind [$($most)?] [$($default)?] [$($first)?] $type
                     )
                 });)*
             }
+        }
+
+        impl $crate::scene::format::thing::Thing for $model {
+            fn of_type() -> $crate::scene::format::thing::Type {
+                $crate::scene::format::thing::Type::Object(
+                    <Self as $crate::scene::format::field::Fields>::FIELDS,
+                )
+            }
+
+            fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
+                <Self as $crate::scene::format::field::Fields>::FIELDS
+            }
 
             #[allow(unused_variables, reason = "all fields may be fixed")]
-            fn slot(&mut self, name: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
-                $($crate::scene::format::object::object!(@slot self name $field $kind $($first)?);)*
+            fn has(&self, field: &str) -> bool {
+                $($crate::scene::format::object::object!(@has self field $field $kind $($first)?);)*
+                false
+            }
+
+            #[allow(unused_variables, reason = "all fields may be fixed")]
+            fn slot(&mut self, field: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
+                $($crate::scene::format::object::object!(@slot self field $field $kind $($first)?);)*
                 None
+            }
+
+            #[allow(unused_variables, reason = "nothing may be inside")]
+            fn things(
+                &self,
+                see: $crate::scene::format::thing::See,
+            ) -> std::ops::ControlFlow<()> {
+                $($crate::scene::format::object::object!(@inside self see $field $kind);)*
+                std::ops::ControlFlow::Continue(())
             }
         }
 
@@ -136,11 +163,13 @@ macro_rules! object {
         }
     };
 
-    (@field $field:ident [$($rename:literal)?] $kind:ident [$($most:expr)?] [$($default:expr)?]) => {
+    (@field $field:ident [$($rename:literal)?] $kind:ident [$($most:expr)?] [$($default:expr)?] $first:tt $type:tt) => {
         $crate::scene::format::field::Field {
             name: $crate::scene::format::object::object!(@name $field $($rename)?),
             kind: $crate::scene::format::object::object!(@kind $kind $($most)?),
             default: $crate::scene::format::object::object!(@default $($default)?),
+            has_start: $crate::scene::format::object::object!(@has_start $first),
+            thing: $crate::scene::format::object::object!(@thing $kind $type),
         }
     };
 
@@ -150,12 +179,20 @@ macro_rules! object {
     (@default) => { None };
     (@default $default:expr) => { Some(|| serde_json::json!($default)) };
 
+    (@has_start []) => { false };
+    (@has_start [$first:expr]) => { true };
+
+    (@thing Thing [$type:ty]) => { Some(<$type as $crate::scene::format::thing::Thing>::of_type) };
+    (@thing $kind:ident $type:tt) => { None };
+
+    (@kind Thing) => { $crate::scene::format::field::Kind::Fixed };
     (@kind Flag) => { $crate::scene::format::field::Kind::Fixed };
     (@kind Choice) => { $crate::scene::format::field::Kind::Fixed };
     (@kind Other) => { $crate::scene::format::field::Kind::Fixed };
     (@kind Count $most:expr) => { $crate::scene::format::field::Kind::Count { most: $most } };
     (@kind $kind:ident) => { $crate::scene::format::field::Kind::$kind };
 
+    (@each $self:ident $see:ident $field:ident Thing $of:block) => {};
     (@each $self:ident $see:ident $field:ident Flag $of:block) => {};
     (@each $self:ident $see:ident $field:ident Name $of:block) => {};
     (@each $self:ident $see:ident $field:ident Choice $of:block) => {};
@@ -166,6 +203,22 @@ macro_rules! object {
         }
     };
 
+    (@has $self:ident $name:ident $field:ident Thing $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident Flag $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident Name $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident Choice $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident Other $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident Count $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident Depth $($first:expr)?) => {};
+    (@has $self:ident $name:ident $field:ident $kind:ident $($first:expr)?) => {
+        if $name == stringify!($field) {
+            $(let _ = || $first; return true;)?
+            #[allow(unreachable_code, reason = "a field with a default")]
+            return $crate::scene::format::field::Held::value(&$self.$field).is_some();
+        }
+    };
+
+    (@slot $self:ident $name:ident $field:ident Thing $($first:expr)?) => {};
     (@slot $self:ident $name:ident $field:ident Flag $($first:expr)?) => {};
     (@slot $self:ident $name:ident $field:ident Name $($first:expr)?) => {};
     (@slot $self:ident $name:ident $field:ident Choice $($first:expr)?) => {};
@@ -178,6 +231,13 @@ macro_rules! object {
             return $crate::scene::format::field::Held::slot(&mut $self.$field);
         }
     };
+
+    (@inside $self:ident $see:ident $field:ident Thing) => {
+        if $crate::scene::format::thing::Thing::is_given(&$self.$field) {
+            $see($crate::diagnostic::path::Step::Field(stringify!($field).into()), &$self.$field)?;
+        }
+    };
+    (@inside $self:ident $see:ident $field:ident $kind:ident) => {};
 
     (@given required $kind:ident [$type:ty]) => { $type };
     (@given required Point []) => { $crate::scene::format::field::Triple };

@@ -19,26 +19,26 @@ object! {
         #[schemars(extend("enum" = [1, null]))]
         version: Other(u32) = 1,
         /// The size of the picture.
-        image: Other(ImageModel)?,
+        image: Thing(ImageModel)?,
         /// The viewpoint of the scene; required where there are no `cameras`.
-        camera: Other(CameraModel)?,
+        camera: Thing(CameraModel)?,
         /// More cameras, each by its name.
-        cameras: Other(CamerasModel)?,
+        cameras: Thing(CamerasModel)?,
         /// The color where no geometry is seen; black is the default.
         background: Color = ColorModel::Channels([0.0; 3]),
         /// The lights. With this field, even without a light in it, the scene is lit; without it, each
         /// geometry shows its color.
-        lights: Other(Vec<LightModel>)?,
+        lights: Thing(Vec<LightModel>)?,
         /// Materials, each by its name.
-        materials: Other(MaterialsModel)?,
+        materials: Thing(MaterialsModel)?,
         /// How light is evaluated; `Direct()` is the default.
-        lighting: Other(LightingModel)?,
+        lighting: Thing(LightingModel)?,
         /// Lines where one geometry ends before another; there are none by default.
-        outlines: Other(OutlinesModel)?,
+        outlines: Thing(OutlinesModel)?,
         /// Everything that can be seen; at equal distance the first is in front.
-        geometries: Other(Vec<GeometryModel>),
+        geometries: Thing(Vec<GeometryModel>),
         /// The changes over time.
-        animation: Other(Box<AnimationModel>)?,
+        animation: Thing(Box<AnimationModel>)?,
         /// Codes of warnings that this file does not want.
         allow: Other(Vec<WarningName>)?,
     }

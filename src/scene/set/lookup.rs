@@ -1,14 +1,16 @@
 //! Lookup of a word in the place of a setting's path: the field with this or a similar name.
 
+use std::{collections::BTreeSet, ops::ControlFlow};
+
 use crate::{
+    diagnostic::path::Path,
     scene::{
-        animation::target::Owner,
         format::{
-            animation::AnimationModel,
             field::{Field, Fields},
+            image::ImageModel,
             lighting::DirectModel,
-            map::Map,
             scene::Model,
+            thing::Thing,
         },
         path,
     },
@@ -42,70 +44,98 @@ pub enum FieldLookup {
     Unknown,
 }
 
+/// What is told the path and the fields of a thing; it may end the visit.
+type See<'a> = &'a mut dyn FnMut(&Path, &'static [Field]) -> ControlFlow<()>;
+
 /// Looks up a word in a scene.
 pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     if !path::parts(word).is_ok_and(|parts| parts.len() == 1) {
         return FieldLookup::Unknown;
     }
-    let of_scene = || Model::FIELDS.iter().map(|field| field.name);
-    if of_scene().any(|name| name == word) {
+    let of_scene: Vec<_> = Model::FIELDS.iter().map(|field| field.name).collect();
+    if of_scene.contains(&word) {
         return FieldLookup::Found;
     }
-    let path_of = |word: &str| {
-        let mut structs = structs(model);
-        let (path, _) =
-            structs.find(|(_, fields)| fields.iter().any(|field| field.name == word))?;
-        Some(FieldLookup::Inside(format!("{path}.{word}")))
+    if let Some(path) = path_of(model, word) {
+        return FieldLookup::Inside(path);
+    }
+    if let Some(field) = nearest(word, &of_scene) {
+        let meant = of_scene.into_iter().find(|name| *name == field);
+        return meant.map_or(FieldLookup::Unknown, FieldLookup::Misspelt);
+    }
+    let mut names = BTreeSet::new();
+    let _ = each(model, &mut |_, fields| {
+        names.extend(fields.iter().map(|field| field.name));
+        ControlFlow::Continue(())
+    });
+    let names: Vec<_> = names.into_iter().collect();
+    let inside = nearest(word, &names).and_then(|field| path_of(model, field));
+    inside.map_or(FieldLookup::Unknown, FieldLookup::Inside)
+}
+
+/// Returns the path of the first field with a name, below the fields of the scene.
+fn path_of(model: &Model, word: &str) -> Option<String> {
+    let mut found = None;
+    let mut see = |path: &Path, fields: &'static [Field]| {
+        if !fields.iter().any(|field| field.name == word) {
+            return ControlFlow::Continue(());
+        }
+        found = Some(path.field(word.to_owned()).to_string());
+        ControlFlow::Break(())
     };
-    if let Some(inside) = path_of(word) {
-        return inside;
-    }
-    if let Some(field) = nearest(word, &of_scene().collect::<Vec<_>>()) {
-        let mut names = of_scene();
-        return names
-            .find(|name| *name == field)
-            .map_or(FieldLookup::Unknown, FieldLookup::Misspelt);
-    }
-    let fields = structs(model).flat_map(|(_, fields)| fields);
-    let mut names: Vec<&str> = fields.map(|field| field.name).collect();
-    names.sort_unstable();
-    names.dedup();
-    let inside = nearest(word, &names).and_then(path_of);
-    inside.unwrap_or(FieldLookup::Unknown)
+    let _ = each(model, &mut see);
+    found
 }
 
-/// Returns the path and the fields of every struct in a scene.
-fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [Field])> {
-    let camera = model.camera.iter();
-    let camera = camera.map(|_| ("camera".to_owned(), Owner::Camera));
-    let cameras = entries("cameras", model.cameras.as_ref(), Owner::NamedCamera);
-    let lights = model.lights.as_ref().map_or(0, Vec::len);
-    let lights = (0..lights).map(|index| (format!("lights[{index}]"), Owner::Light(index)));
-    let materials = entries("materials", model.materials.as_ref(), Owner::Material);
-    let outlines = model.outlines.iter();
-    let outlines = outlines.map(|_| ("outlines".to_owned(), Owner::Outlines));
-    let geometries = model.walk();
-    let geometries = geometries.map(|(at, _)| (model.path_of(at).to_string(), Owner::Geometry(at)));
-    let owners = camera.chain(cameras).chain(lights).chain(materials);
-    let owners = owners.chain(outlines).chain(geometries);
-    let image = [("image".to_owned(), Owner::Image)].into_iter();
-    let animation = model.animation.iter();
-    let animation = animation.map(|_| ("animation".to_owned(), AnimationModel::FIELDS));
-    let lighting = [("lighting".to_owned(), DirectModel::FIELDS)];
-    let fields = |(path, owner): (String, Owner)| (path, owner.fields(model));
-    image
-        .map(fields)
-        .chain(animation)
-        .chain(owners.map(fields))
-        .chain(lighting)
+/// Calls `see` with the path and the fields of everything in a scene. The image and the lighting are
+/// there without being given.
+fn each(model: &Model, see: See) -> ControlFlow<()> {
+    if model.image.is_none() {
+        see(&Path::ROOT.field("image"), ImageModel::FIELDS)?;
+    }
+    visit(model, &Path::ROOT, see)?;
+    match model.lighting {
+        Some(_) => ControlFlow::Continue(()),
+        None => see(&Path::ROOT.field("lighting"), DirectModel::FIELDS),
+    }
 }
 
-/// Returns the path and the owner of every entry of a map.
-fn entries<T>(
-    field: &str,
-    map: Option<&Map<T>>,
-    owner: fn(usize) -> Owner,
-) -> impl Iterator<Item = (String, Owner)> {
-    let names = map.into_iter().flat_map(|map| &map.0).enumerate();
-    names.map(move |(index, (name, _))| (format!("{field}[{name:?}]"), owner(index)))
+/// Calls `see` with the path and the fields of everything inside of a thing.
+fn visit(thing: &dyn Thing, path: &Path, see: See) -> ControlFlow<()> {
+    thing.things(&mut |step, inside| {
+        let path = path.then(step);
+        see(&path, inside.fields())?;
+        visit(inside, &path, see)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scene::tests::oracle, text::syntax::Syntax};
+
+    #[test]
+    fn a_word_is_found_in_whatever_is_inside() {
+        let model = oracle::model(
+            r##"(camera: Fit(projection: Perspective(fov: 30)), materials: {"gold": Phong(diffuse: "#fc0")}, geometries: [
+                Spheres(file: "a.csv", color_by: (column: "v")),
+                Group(geometries: [], transform: (translate: (0, 1, 0), rotate: (axis: (0, 1, 0), angle: 5)))])"##,
+            Syntax::Ron,
+        );
+        let model = model.unwrap();
+        for (word, path) in [
+            ("fov", "camera.projection.fov"),
+            ("diffuse", "materials[\"gold\"].diffuse"),
+            ("range", "geometries[0].color_by.range"),
+            ("translate", "geometries[1].transform.translate"),
+            ("axis", "geometries[1].transform.rotate.axis"),
+            ("width", "image.width"),
+            ("max_depth", "lighting.max_depth"),
+            ("exponnent", "materials[\"gold\"].exponent"),
+        ] {
+            let found = look_up(&model, word);
+            assert_eq!(found, FieldLookup::Inside(path.to_owned()), "{word}");
+        }
+        assert_eq!(look_up(&model, "depth"), FieldLookup::Unknown);
+    }
 }

@@ -31,7 +31,6 @@ use crate::{
                 nesting::{Leaf, Ordinal},
             },
             image::ImageModel,
-            lighting::LightingModel,
             scene::Model,
             warning::WarningName,
         },
@@ -85,9 +84,9 @@ pub(crate) fn problems(
         let path = || Path::ROOT.field("outlines");
         outlines.each(|field, value| found.field(field, value, path));
     }
-    if let Some(LightingModel::Direct(direct)) = &model.lighting {
+    if let Some(lighting) = &model.lighting {
         let path = || Path::ROOT.field("lighting");
-        direct.each(|field, value| found.field(field, value, path));
+        lighting.each(|field, value| found.field(field, value, path));
     }
     // Visibility is checked in the first frame; the places are those of the file.
     let frames = Frames::of(model);

@@ -3,7 +3,7 @@
 pub(crate) mod orbit;
 mod schema;
 
-use std::{collections::HashSet, fmt, marker::PhantomData};
+use std::{collections::HashSet, fmt, marker::PhantomData, sync::LazyLock};
 
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
@@ -14,20 +14,13 @@ use serde::{
 use self::orbit::OrbitModel;
 use crate::scene::{
     format::{
-        camera::CameraModel,
         color::ColorModel,
-        color_by::ColorByModel,
         field::{Field, Fields, Interval, Kind, Triple},
-        fit::ProjectionModel,
-        geometry::GeometryModel,
-        image::ImageModel,
-        light::LightModel,
         map::{Entry, Map},
-        material::MaterialModel,
         object::object,
-        outlines::OutlinesModel,
         scene::Model,
-        transform::{RotateModel, ScaleModel, TransformModel},
+        thing::Type,
+        transform::ScaleModel,
     },
     path,
 };
@@ -43,7 +36,7 @@ object! {
         /// `orbit`.
         tracks: Other(TracksModel)?,
         /// A turn of all cameras about a line, at constant speed.
-        orbit: Other(OrbitModel)?,
+        orbit: Thing(OrbitModel)?,
     }
 }
 
@@ -101,36 +94,41 @@ pub enum Interpolation {
     Smooth,
 }
 
-/// The kinds of a thing, each with its fields.
-type Variants = &'static [(&'static str, &'static [Field])];
+/// Every field that can change over time, with the field of the scene that its path begins with.
+/// Nothing in the animation itself changes.
+pub(crate) static CHANGING: LazyLock<Vec<(&Field, Vec<&Field>)>> = LazyLock::new(|| {
+    let roots = Model::FIELDS.iter().filter(|root| root.name != "animation");
+    let all = roots.map(|root| {
+        let (mut found, mut seen) = (Vec::new(), HashSet::new());
+        add_changing(root, &mut found, &mut seen);
+        (root, found)
+    });
+    all.filter(|(_, found)| !found.is_empty()).collect()
+});
 
-/// Everything with fields that can change over time, by the first name of its path. The material of
-/// a geometry has that of the geometry.
-const OWNERS: [(&[&str], Variants); 10] = [
-    (&["camera", "cameras"], CameraModel::VARIANTS),
-    (&["camera", "cameras"], ProjectionModel::VARIANTS),
-    (&[Model::LONG], GeometryModel::VARIANTS),
-    (&["lights"], LightModel::VARIANTS),
-    (&["materials", Model::LONG], MaterialModel::VARIANTS),
-    (&[Model::LONG], &[("ColorBy", ColorByModel::FIELDS)]),
-    (
-        &[Model::LONG],
-        &[
-            ("Transform", TransformModel::FIELDS),
-            ("Rotation", RotateModel::FIELDS),
-        ],
-    ),
-    (&["image"], &[("Image", ImageModel::FIELDS)]),
-    (&["outlines"], &[("Outlines", OutlinesModel::FIELDS)]),
-    (&[], &[("Scene", Model::FIELDS)]),
-];
-
-/// Every field that can change over time, each once.
-pub(crate) fn changing() -> impl Iterator<Item = Field> {
-    let all = OWNERS.iter().flat_map(|(_, variants)| *variants);
-    let mut seen = HashSet::new();
-    let changing = all.flat_map(|(_, fields)| *fields).copied();
-    changing.filter(move |field| field.kind.changes() && seen.insert(field.name))
+/// Adds a field, if it can change, and those of what is in it. A name occurs once.
+fn add_changing(
+    field: &'static Field,
+    found: &mut Vec<&'static Field>,
+    seen: &mut HashSet<*const Field>,
+) {
+    if !seen.insert(std::ptr::from_ref(field)) {
+        return;
+    }
+    if field.kind.changes() && found.iter().all(|other| other.name != field.name) {
+        found.push(field);
+    }
+    let mut thing = field.thing;
+    while let Some(of_type) = thing {
+        thing = match of_type() {
+            Type::List(inside) | Type::Map(inside) => Some(inside),
+            object => {
+                let fields = object.fields();
+                fields.for_each(|field| add_changing(field, found, seen));
+                None
+            }
+        };
+    }
 }
 
 /// The kind of what a path leads to, by the fields of what it begins with; `None` for one number of
@@ -141,11 +139,9 @@ fn kind_of_path(path: &str) -> Option<Option<Kind>> {
     let Some(name) = parts.last()?.name() else {
         return Some(None);
     };
-    let is_owner = |names: &&[&str]| names.contains(&first) || names.is_empty();
-    let owners = OWNERS.iter().filter(|(names, _)| is_owner(names));
-    let mut fields = owners.flat_map(|(_, variants)| *variants);
-    let field = fields.find_map(|(_, fields)| fields.iter().find(|field| field.name == name));
-    field.map(|field| Some(field.kind))
+    let (_, fields) = CHANGING.iter().find(|(root, _)| root.name == first)?;
+    let field = fields.iter().find(|field| field.name == name)?;
+    Some(Some(field.kind))
 }
 
 impl<'de> Entry<'de> for Track {

@@ -5,16 +5,13 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use super::{Interpolation, Key, TracksModel, changing};
+use super::{CHANGING, Interpolation, Key, TracksModel};
 use crate::scene::format::{
     color::ColorModel,
     field::{Interval, Kind, Triple},
-    scene::Model,
+    thing::Type,
     transform::ScaleModel,
 };
-
-/// The only name of fields of two kinds: the height of an orthographic view, and that in a transform.
-const SCALE: &str = "scale";
 
 impl JsonSchema for TracksModel {
     fn schema_name() -> Cow<'static, str> {
@@ -32,25 +29,37 @@ impl JsonSchema for TracksModel {
         let ranges = generator.subschema_for::<Key<Interval>>();
         let colors = generator.subschema_for::<Key<ColorModel>>();
         let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
-        let fields = |is_it: fn(Kind) -> bool| -> String {
-            let fields = changing().filter(|field| is_it(field.kind) && field.name != SCALE);
-            let names: Vec<_> = fields.map(|field| field.name).collect();
-            format!("(^|\\.)\\s*({})\\s*$", names.join("|"))
-        };
         json_schema!({
             "type": "object",
             "patternProperties": {
-                "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
-                (fields(Kind::is_number)): keys(&numbers),
-                (format!("^\\s*cameras?\\b.*\\.\\s*{SCALE}\\s*$")): keys(&numbers),
-                (format!("^\\s*{LONG}\\b.*\\.\\s*{SCALE}\\s*$", LONG = Model::LONG)): keys(&scales),
-                (fields(|kind| matches!(kind, Kind::Point | Kind::Way | Kind::Direction))): keys(&vectors),
-                (fields(|kind| kind == Kind::Interval)): keys(&ranges),
-                (fields(|kind| kind == Kind::Color)): keys(&colors),
+                (paths(Kind::has_elements, "\\[\\s*[0-9]+\\s*\\]\\s*")): keys(&numbers),
+                (paths(Kind::is_number, "")): keys(&numbers),
+                (paths(|kind| kind == Kind::Scale, "")): keys(&scales),
+                (paths(Kind::is_vector, "")): keys(&vectors),
+                (paths(|kind| kind == Kind::Interval, "")): keys(&ranges),
+                (paths(|kind| kind == Kind::Color, "")): keys(&colors),
             },
             "additionalProperties": false,
         })
     }
+}
+
+/// Returns the pattern of the paths to the fields of some kinds. Of what lies between the first and
+/// the last name it knows nothing.
+fn paths(is_it: fn(Kind) -> bool, end: &str) -> String {
+    let roots = CHANGING.iter().filter_map(|(root, fields)| {
+        let names = fields.iter().filter(|field| is_it(field.kind));
+        let names: Vec<_> = names.map(|field| field.name).collect();
+        let way = match root.thing.map(|of_type| of_type()) {
+            _ if names.is_empty() => return None,
+            None => return Some(root.name.to_owned()),
+            Some(Type::Object(_)) => "\\s*",
+            Some(_) => "\\b.*",
+        };
+        Some(format!("{}{way}\\.\\s*({})", root.name, names.join("|")))
+    });
+    let roots: Vec<_> = roots.collect();
+    format!("^\\s*({})\\s*{end}$", roots.join("|"))
 }
 
 /// Returns the schema of a key from that of its value; `what` describes the value in a few words.

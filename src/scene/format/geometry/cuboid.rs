@@ -32,7 +32,7 @@ object! {
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.
-        material: Other(Arc<MaterialModel>)?,
+        material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
     }

@@ -28,10 +28,10 @@ object! {
         color: Color ?= ColorModel::BLACK,
         /// Colors by the values of a column, instead of those of the rows. Give at most one of this and
         /// `color`.
-        color_by: Other(ColorByModel)?,
+        color_by: Thing(ColorByModel)?,
         /// The material of all rows; the color of a row replaces its first color. Give at most one of this
         /// and `color`.
-        material: Other(Arc<MaterialModel>)?,
+        material: Thing(Arc<MaterialModel>)?,
         /// The name of the table: no other geometry of the scene has it.
         name: Name?,
     }

@@ -17,9 +17,9 @@ object! {
     #[schemars(inline)]
     pub struct GroupModel = "Group" {
         /// The geometries of the group; groups may be in groups.
-        geometries: Other(Vec<GeometryModel>),
+        geometries: Thing(Vec<GeometryModel>),
         /// The change of place, direction and size of its geometries, and of the lights of its parts.
-        transform: Other(Box<TransformModel>)?,
+        transform: Thing(Box<TransformModel>)?,
         /// The name of the group: no other geometry of the scene has it.
         name: Name?,
     }

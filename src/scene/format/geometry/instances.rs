@@ -19,7 +19,7 @@ object! {
         #[schemars(length(min = 1))]
         of: Other(Box<str>),
         /// The place, direction and size of each copy. Give this or `file`.
-        transforms: Other(Vec<TransformModel>)?,
+        transforms: Thing(Vec<TransformModel>)?,
         /// The table in place of `transforms`: a path from the folder of the scene to a file .csv, .npy or
         /// .npz, with `/` between its parts. Its columns `x`, `y` and `z` are the shift of each copy;
         /// optional are `scale`, above 0, and `angle` in degrees about the axis `axis_x`, `axis_y`,

@@ -48,10 +48,10 @@ object! {
         /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
         /// coordinate `x`, `y` or `z`. They are interpolated inside of each triangle. Give at most one of
         /// this and `color`.
-        color_by: Other(ColorByModel)?,
+        color_by: Thing(ColorByModel)?,
         /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
         /// color.
-        material: Other(Arc<MaterialModel>)?,
+        material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
     }

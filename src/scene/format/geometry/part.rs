@@ -14,7 +14,7 @@ object! {
         /// either case.
         lights: Flag = false,
         /// The change of place, direction and size of its geometries and its lights.
-        transform: Other(Box<TransformModel>)?,
+        transform: Thing(Box<TransformModel>)?,
         /// The name of the part: no other geometry of the scene has it.
         name: Name?,
     }

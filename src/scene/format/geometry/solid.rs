@@ -48,12 +48,12 @@ object! {
     pub struct UnionModel = "Union" {
         /// The solids.
         #[schemars(length(min = 1))]
-        of: Other(Vec<GeometryModel>),
+        of: Thing(Vec<GeometryModel>),
         /// The color of those without their own: a matte surface. Give this or `material`, or neither if
         /// each has its own.
         color: Color?,
         /// The material of those without their own. Give this or `color`, or neither if each has its own.
-        material: Other(Arc<MaterialModel>)?,
+        material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
     }
@@ -65,12 +65,12 @@ object! {
     pub struct IntersectionModel = "Intersection" {
         /// The solids.
         #[schemars(length(min = 1))]
-        of: Other(Vec<GeometryModel>),
+        of: Thing(Vec<GeometryModel>),
         /// The color of those without their own: a matte surface. Give this or `material`, or neither if
         /// each has its own.
         color: Color?,
         /// The material of those without their own. Give this or `color`, or neither if each has its own.
-        material: Other(Arc<MaterialModel>)?,
+        material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
     }
@@ -81,16 +81,16 @@ object! {
     #[schemars(inline)]
     pub struct DifferenceModel = "Difference" {
         /// The solid that is cut.
-        of: Other(Box<GeometryModel>),
+        of: Thing(Box<GeometryModel>),
         /// The solids that are cut away. A cut shows the color of the solid that made it. Let one stand out of
         /// a face that it opens: if it ends there, rounding may leave specks.
         #[schemars(length(min = 1))]
-        minus: Other(Vec<GeometryModel>),
+        minus: Thing(Vec<GeometryModel>),
         /// The color of those without their own: a matte surface. Give this or `material`, or neither if
         /// each has its own.
         color: Color?,
         /// The material of those without their own. Give this or `color`, or neither if each has its own.
-        material: Other(Arc<MaterialModel>)?,
+        material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
     }

@@ -1,9 +1,14 @@
 //! The name of a material, in a scene file.
 
+use std::ops::ControlFlow;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::format::field::{Field, Fields, Slot, Value};
+use crate::scene::format::{
+    field::{Field, Fields, Value},
+    thing::{See, Thing, Type},
+};
 
 /// The name of one of the scene's `materials`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,8 +20,14 @@ impl Fields for NamedModel {
     const FIELDS: &'static [Field] = &[];
 
     fn each<'m>(&'m self, _: impl FnMut(Field, Value<'m>)) {}
+}
 
-    fn slot(&mut self, _: &str) -> Option<Slot<'_>> {
-        None
+impl Thing for NamedModel {
+    fn of_type() -> Type {
+        Type::Object(Self::FIELDS)
+    }
+
+    fn things(&self, _: See) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 }
