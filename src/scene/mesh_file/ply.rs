@@ -216,15 +216,18 @@ impl Reader {
     #[inline(always)]
     fn vertex(&self, mesh: &mut MeshFile, place: Place) -> Result<(), ReadError> {
         let columns = &self.selection.columns;
-        let number = |column: usize| {
-            let selected = columns.get(column).copied().flatten();
-            selected.map(|selected| selected.number(self.row.number(selected.index)))
-        };
-        let [x, y, z] = [0, 1, 2].map(|column| number(column).unwrap_or_default());
-        mesh.add_vertex(DVec3::new(x, y, z), place)?;
+        let selected = |column: usize| columns.get(column)?.as_ref();
+        // Only those of a color are divided.
+        let number = |column| Some(self.row.number(selected(column)?.index));
+        let coordinate = |axis| number(axis).unwrap_or_default();
+        let at = DVec3::new(coordinate(0), coordinate(1), coordinate(2));
+        mesh.add_vertex(at, place)?;
         let first = COLORS.start;
-        if let [Some(red), Some(green), Some(blue)] = [first, first + 1, first + 2].map(number) {
-            mesh.add_color([red, green, blue], place)?;
+        let channels = [first, first + 1, first + 2].map(selected);
+        if let [Some(red), Some(green), Some(blue)] = channels {
+            let color = [red, green, blue];
+            let color = color.map(|channel| channel.number(self.row.number(channel.index)));
+            mesh.add_color(color, place)?;
         }
         if let Some(value) = number(VALUE) {
             mesh.values.push(value);

@@ -2,6 +2,7 @@
 
 mod animation;
 mod camera;
+mod enclosed;
 mod eye;
 mod field;
 mod geometry;

@@ -16,7 +16,7 @@ use crate::{
         framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{Found, eye::is_glass},
+        validate::{Found, enclosed::enclosed, eye::is_glass},
         view::View,
     },
     text::nearest::quote,
@@ -75,6 +75,24 @@ impl Found {
                     .help("at equal distance the first is visible: move it up in the list, or out of the plane")
                     .label(model.path_of(plane), Focus::Name, "the plane"),
             );
+        }
+        let is_out = |at: &Ordinal| {
+            unseen
+                .as_ref()
+                .is_some_and(|out| out.binary_search(at).is_ok())
+        };
+        for (at, cover) in enclosed(model, frames, framing) {
+            if is_out(&at) {
+                continue;
+            }
+            let place = cover.place();
+            let message = format!("this geometry lies {place}, which hides it from {cameras}");
+            let problem = Problem::new(Code::NeverVisible, model.path_of(at), Focus::Name, message);
+            self.push(problem.help("remove it, or move it out").label(
+                model.path_of(cover.at),
+                Focus::Name,
+                "this hides it",
+            ));
         }
         // An empty table contains nothing to see.
         let is_empty = |at: &Ordinal| tables.count(*at) == 0;
