@@ -2,7 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{Cameras, Scene, framing, refused};
+use super::{
+    Scene,
+    cameras::{Cameras, framing},
+    refused,
+};
 use crate::{
     diagnostic::error::{Error, ErrorKind},
     scene::{

@@ -8,10 +8,119 @@ use crate::{
     film::{Centers, Wanted, samples::Samples},
     parallel::Pool,
     render::visibility::{Seen, Tally},
-    scene::origin::{InstancesOf, PartGeometries, TableRows},
+    scene::{
+        locate::range_of,
+        origin::{InstancesOf, Origin, PartGeometries, TableRows},
+        part::PartPlace,
+        scales::ColorValues,
+    },
+    tracer::colormap::scale::ColorScale,
 };
 
 impl Scene {
+    /// Returns the position in the scene of a geometry, by its index in the world. Each row of a
+    /// table and each geometry of a group is one of its own; those of a part have the position of
+    /// the part.
+    pub fn origin(&self, index: usize) -> Origin {
+        self.origins.of(index)
+    }
+
+    /// Returns the places of a geometry in the parts that hold it, by its index in the world: first
+    /// in the part that the scene names. A geometry of the scene itself has none.
+    pub fn places_in_parts(&self, index: usize) -> Vec<PartPlace<'_>> {
+        let mut places = Vec::new();
+        if let Some((part, index)) = self.origins.part_of(index) {
+            part.add_to(&mut places, index);
+        }
+        places
+    }
+
+    /// Returns the indices in the world of a geometry of the scene: one, or the rows of a table, or
+    /// the geometries of a part or a group.
+    pub(crate) fn indices(&self, origin: &Origin) -> Range<usize> {
+        self.origins.indices(origin)
+    }
+
+    /// Returns the name of a geometry in the scene, by its index in the world. All rows of a table
+    /// have the name of the table, and all geometries of a part that of the part.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    ///     geometries: [
+    ///         Sphere(center: (2, 0, -3), radius: 0.5, color: "#00ff00"),
+    ///         Sphere(center: (0, 0, -3), radius: 0.5, color: "#ff0000", name: "ball"),
+    ///     ],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// assert_eq!([scene.name(0), scene.name(1)], [None, Some("ball")]);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn name(&self, index: usize) -> Option<&str> {
+        self.origins.name(index)
+    }
+
+    /// Returns the names of the groups that hold a geometry, by its index in the world, the outermost
+    /// first. Groups without a name are left out.
+    pub fn groups(&self, index: usize) -> Vec<&str> {
+        self.origins.groups(index)
+    }
+
+    /// Returns each table and each mesh whose values determine its colors, in the order of the scene.
+    pub fn color_values(&self) -> impl Iterator<Item = ColorValues<'_>> {
+        self.scales.all(&self.world, &self.origins).into_iter()
+    }
+
+    /// Returns the value that determines the color of a row of a table, by its index in the world, and
+    /// the colors of all values of the table; `None` if no value does. Those of a mesh depend on the
+    /// point: see [`Hit::interpolation`](crate::Hit::interpolation).
+    pub fn value(&self, index: usize) -> Option<(f64, &ColorScale)> {
+        self.scales.of(index)
+    }
+
+    /// Returns the position in the scene text of a geometry, by its index in the world.
+    ///
+    /// The range is in bytes, with the end exclusive. A row of a table has the range of the
+    /// geometry that names the table, a geometry of a part that of the part. `None` if the text was not kept
+    /// ([`ReadOptions::keep_text`](crate::ReadOptions::keep_text)).
+    ///
+    /// # Examples
+    ///
+    /// From a pixel to the text:
+    ///
+    /// ```
+    /// use strahl::{Document, Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    ///     geometries: [Sphere(center: (0, 0, -3), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// let seen = scene.geometry_at(320, 240).and_then(|index| scene.text_range(index));
+    /// assert!(text[seen.unwrap()].starts_with("Sphere("));
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn text_range(&self, index: usize) -> Option<Range<usize>> {
+        let path = self.origin(index).path();
+        range_of(self.source.text(), self.source.tree(), path.steps())
+    }
+
+    /// Returns the index in the world of the geometry at the center of a pixel, or `None` if the
+    /// pixel shows the background.
+    ///
+    /// The picture has the size given by the scene; `x` counts from the left, `y` from the top.
+    pub fn geometry_at(&self, x: u32, y: u32) -> Option<usize> {
+        let (width, height) = (self.size.width(), self.size.height());
+        let y = height.checked_sub(y.checked_add(1)?)?;
+        let camera = self.camera();
+        let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
+        self.world.hit(&ray).map(|(index, _)| index)
+    }
+
     /// Returns the tables of the scene, in scene order.
     pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
         self.origins.tables()

@@ -1,8 +1,10 @@
 //! A scene that is edited: each text is checked on a thread of its own, and the last one without
 //! errors stays ready to be drawn.
 
+mod additions;
 mod camera;
 mod magnified;
+mod moves;
 mod outline;
 mod parts;
 mod rewrite;
@@ -17,8 +19,9 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+pub use additions::PartList;
 pub use camera::Motion;
-pub use parts::{Part, PartList};
+pub use parts::Part;
 pub use turns::Turns;
 pub use view::{Quality, Seen, View};
 

@@ -25,3 +25,14 @@ pub(super) fn checked(text: &str) -> Arc<Checked> {
 pub(super) fn edited(text: &str, edits: &[Edit]) -> String {
     apply(text, edits.iter().map(std::slice::from_ref)).0
 }
+
+/// A scene with comments at places where edits meet them.
+pub(super) const TEXT: &str = r##"(
+    camera: Fit(), // mine
+    geometries: [
+        Sphere(center: (0, 0, 0), radius: 1, color: "#f00"), // red
+        Group(geometries: [Sphere(center: (3, 0, 0), radius: 1, color: "#0f0", name: "green") /* , */ ,
+            Sphere(center: (6, 0, 0), radius: 1, color: "#00f")]),
+    ],
+)
+"##;

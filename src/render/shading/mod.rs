@@ -1,0 +1,220 @@
+//! Pictures whose samples are shaded one by one: lit ones, and those with outlines.
+
+mod part;
+mod sums;
+
+use std::{
+    ops::Range,
+    sync::{Mutex, PoisonError},
+};
+
+use self::{part::Part, sums::Scratch};
+use crate::{
+    accel::{
+        raster::{
+            first_hits::{FirstHits, Slab, Take, Work, cut},
+            grouping::TILE,
+        },
+        shadow::{Shadows, Toward},
+    },
+    diagnostic::error::Error,
+    film::{Centers, Film, Outlines, crop::Crop, samples::Samples, size::Size},
+    image_file::check_memory,
+    integrator::direct::Queries,
+    render::{
+        hits::{Hits, Rays},
+        ink::Ink,
+    },
+    simd::Isa,
+    tracer::{camera::Camera, world::World},
+};
+
+/// The number of samples whose hits are in memory at once, for each thread. Tests use less.
+const CHUNK: u64 = if cfg!(test) { 16 } else { 1 << 15 };
+/// The largest number of samples of a row of pixels that is shaded at once. Tests use less.
+const LONG: u64 = if cfg!(test) { 64 } else { 1 << 20 };
+/// The number of rows of pixels that a thread shades at once.
+const ROWS: u32 = 4;
+/// The number of such groups of rows that are shaded ahead of the consumer.
+const AHEAD: usize = 64;
+
+/// A picture whose samples are shaded one by one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shading<'a, Q> {
+    pub(crate) camera: &'a Camera,
+    pub(crate) world: &'a World,
+    pub(crate) queries: &'a Q,
+    pub(crate) size: Size,
+    pub(crate) samples: Samples,
+    pub(crate) outlines: Option<Outlines>,
+    pub(crate) isa: Isa,
+}
+
+/// What all parts of a picture share.
+struct State<'a> {
+    /// The search for the hits of samples.
+    search: &'a FirstHits<'a>,
+    /// The shadows of each light, unless it casts none.
+    shadows: &'a [Option<Shadows<'a>>],
+    /// Memory of threads.
+    scratch: Mutex<Vec<Scratch>>,
+    /// Memory of hits.
+    spare: Mutex<Vec<Hits>>,
+}
+
+impl<Q: Queries + Sync> Shading<'_, Q> {
+    /// Shades a part of the picture and passes it on in bands, from the top.
+    pub(crate) fn draw(&self, crop: Crop, work: Work, take: Take) -> Result<(), Error> {
+        if let Some(outlines) = &self.outlines {
+            Ink::check(outlines, self.samples)?;
+        }
+        let lighting = self.world.lighting();
+        let lights = lighting.map_or(&[][..], |lighting| &lighting.lights);
+        let shadows: Vec<_> = work.watch.time(|| {
+            let of = |toward| Shadows::new(self.world, toward, work.pool, self.isa);
+            let lights = lights.iter();
+            lights.map(|light| Toward::of(light).map(of)).collect()
+        });
+        let state = State {
+            search: &self.search(self.samples),
+            shadows: &shadows,
+            scratch: Mutex::default(),
+            spare: Mutex::default(),
+        };
+        let side = u64::from(self.samples.side());
+        let chunk = CHUNK * work.pool.threads() as u64;
+        let in_row = crop.columns().len() as u64 * side * side;
+        if in_row <= LONG {
+            // Hits are searched in tiles, and whole ones if memory allows.
+            let tile = u64::from(TILE.div_ceil(side as u32));
+            let rows = match (chunk / in_row).max(1) {
+                rows if rows < tile && in_row * tile > LONG => rows,
+                rows => rows.next_multiple_of(tile),
+            };
+            let chunk = rows.min(crop.rows().len() as u64) as u32;
+            return self.draw_slab(crop.columns(), (crop.rows(), chunk), &state, work, take);
+        }
+        let columns = (LONG / (side * side)).max(1) as u32;
+        cut(crop.rows(), 1).try_for_each(|row| {
+            let mut film = Film::default();
+            cut(crop.columns(), columns).try_for_each(|columns| {
+                let part = (columns, row.clone());
+                self.draw_rows(part, None, &state, work, &mut |part| {
+                    film.extend(part);
+                    Ok(())
+                })
+            })?;
+            take(film)
+        })
+    }
+
+    /// Shades rows whose hits are searched together if memory allows, in chunks.
+    fn draw_slab(
+        &self,
+        columns: Range<u32>,
+        (rows, chunk): (Range<u32>, u32),
+        state: &State,
+        work: Work,
+        take: Take,
+    ) -> Result<(), Error> {
+        let [fine_columns, fine_rows] = self.samples_around(&columns, &rows);
+        let slab = state.search.prepare_rows(fine_columns, fine_rows, work);
+        if slab.is_none() && rows.len() as u32 > chunk {
+            let middle = rows.start + (rows.len() as u32 / 2).next_multiple_of(chunk);
+            let upper = (rows.start..middle, chunk);
+            self.draw_slab(columns.clone(), upper, state, work, take)?;
+            return self.draw_slab(columns, (middle..rows.end, chunk), state, work, take);
+        }
+        cut(rows, chunk).try_for_each(|rows| {
+            self.draw_rows((columns.clone(), rows), slab.as_ref(), state, work, take)
+        })
+    }
+
+    /// Returns the columns and rows of the samples of some pixels and of those around them that
+    /// their outlines depend on.
+    fn samples_around(&self, columns: &Range<u32>, rows: &Range<u32>) -> [Range<u32>; 2] {
+        let side = self.samples.side();
+        let margin = self.outlines.map_or(0, |outlines| outlines.margin());
+        let around = |range: &Range<u32>, most: u32| {
+            let end = range.end.saturating_add(margin).min(most);
+            range.start.saturating_sub(margin) * side..end * side
+        };
+        [
+            around(columns, self.size.width()),
+            around(rows, self.size.height()),
+        ]
+    }
+
+    fn search(&self, samples: Samples) -> FirstHits<'_> {
+        FirstHits::of_samples(self.camera, self.world, self.size, samples, self.isa)
+    }
+
+    /// Shades rows, which may be a part of a slab, at once.
+    fn draw_rows(
+        &self,
+        (columns, rows): (Range<u32>, Range<u32>),
+        slab: Option<&Slab>,
+        state: &State,
+        work: Work,
+        take: Take,
+    ) -> Result<(), Error> {
+        let spare = || {
+            let spare = &state.spare;
+            spare.lock().unwrap_or_else(PoisonError::into_inner)
+        };
+        let memory = || spare().pop().unwrap_or_default();
+        let [fine_columns, fine_rows] = self.samples_around(&columns, &rows);
+        let fine = (fine_columns, fine_rows);
+        if let Some(outlines) = &self.outlines {
+            // Wide lines of many samples depend on very many others.
+            let samples = fine.0.len() as u64 * fine.1.len() as u64;
+            let bytes = Ink::bytes(outlines, samples, self.samples.side());
+            check_memory(self.size, bytes)?;
+        }
+        let hits = Hits::new(state.search, slab, fine, work, memory())?;
+        let needs_centers = work.centers != Centers::Unneeded && self.samples != Samples::ONE;
+        let centers = needs_centers
+            .then(|| {
+                let (search, all) = (self.search(Samples::ONE), (columns.clone(), rows.clone()));
+                Hits::new(&search, None, all, work, memory())
+            })
+            .transpose()?;
+        let rays = Rays::new(self.camera, self.size, self.samples, &hits);
+        let ink = self.outlines.map(|outlines| {
+            work.watch
+                .time(|| Ink::new(outlines, self.world, &hits, &rays, self.samples.side()))
+        });
+        let (eye, distance) = rays.reach(&hits, self.isa);
+        let mut shadows = state.shadows.iter().flatten();
+        if shadows.any(|shadows| shadows.leaves_open(eye, distance)) {
+            work.watch.time(|| self.queries.prepare());
+        }
+        let part = Part {
+            shading: self,
+            state,
+            rays: &rays,
+            ink,
+            centers: centers.as_ref().unwrap_or(&hits),
+            hits: &hits,
+            columns: &columns,
+            work,
+        };
+        let shade = |rows: Range<u32>| {
+            work.cancel.check()?;
+            let piece = work.watch.time(|| part.piece(rows));
+            work.cancel.check()?;
+            if let Some(progress) = work.progress {
+                progress(piece.pixels() as u64);
+            }
+            Ok(piece)
+        };
+        work.pool.in_order(cut(rows, ROWS), AHEAD, shade, |piece| {
+            let mut film = Film::default();
+            film.push(piece?);
+            take(film)
+        })?;
+        spare().extend(centers);
+        spare().push(hits);
+        Ok(())
+    }
+}

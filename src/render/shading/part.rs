@@ -1,0 +1,331 @@
+//! Rows of a picture whose hits are known.
+
+use std::{mem, ops::Range, sync::PoisonError};
+
+use super::{
+    Shading, State,
+    sums::{Scratch, Sums},
+};
+use crate::{
+    accel::raster::first_hits::Work,
+    film::{Centers, Lit, LitPixel, Piece, Wanted, colors::NOTHING, samples::Samples},
+    integrator::{
+        batch::{Encode, Row, ShadeRow},
+        direct::{Direct, Path, Queries, Shaded},
+    },
+    render::{
+        hits::{Hits, Rays},
+        ink::Ink,
+    },
+    tracer::{color::Color, radiance::Radiance, ray::Ray, tone::Tone},
+};
+
+/// The rows of a picture whose hits are known.
+pub(super) struct Part<'a, Q> {
+    pub(super) shading: &'a Shading<'a, Q>,
+    pub(super) state: &'a State<'a>,
+    pub(super) hits: &'a Hits,
+    pub(super) rays: &'a Rays<'a>,
+    pub(super) ink: Option<Ink<'a>>,
+    /// The hits of the rays through the centers of pixels.
+    pub(super) centers: &'a Hits,
+    pub(super) columns: &'a Range<u32>,
+    pub(super) work: Work<'a>,
+}
+
+impl<Q: Queries + Sync> Part<'_, Q> {
+    /// Shades some rows of pixels.
+    pub(super) fn piece(&self, rows: Range<u32>) -> Piece {
+        let geometries = self.shading.world.ids();
+        let mut piece = Piece::new(self.columns.len() as u32, rows.len() as u32, geometries);
+        if self.work.resolver.ranks {
+            self.rank(&rows, &mut piece);
+        }
+        piece.light(self.light(rows.clone()));
+        if self.work.centers != Centers::Unneeded {
+            let (ids, t) = piece.hits_mut(self.shading.samples, self.work.centers);
+            let (first, width) = (self.columns.start, self.columns.len());
+            let start = |row| self.centers.place(first, row);
+            for (ids, row) in ids.into_iter().zip(rows.clone()) {
+                ids.copy_from_slice(&self.centers.ids[start(row)..][..width]);
+            }
+            for (t, row) in t.into_iter().zip(rows.clone()) {
+                t.copy_from_slice(&self.centers.t[start(row)..][..width]);
+            }
+        }
+        piece
+    }
+
+    /// Returns the light of some rows of pixels.
+    fn light(&self, rows: Range<u32>) -> Lit {
+        let all = || {
+            let scratch = &self.state.scratch;
+            scratch.lock().unwrap_or_else(PoisonError::into_inner)
+        };
+        let known = all().pop();
+        let mut scratch = known.unwrap_or_else(|| Scratch::new(self.shading.world));
+        let count = rows.len() * self.columns.len();
+        let lit = match self.work.wanted {
+            Wanted::Bytes(tone) => {
+                let mut bytes = vec![[0; 3]; count];
+                for (row, bytes) in rows.zip(bytes.chunks_mut(self.columns.len())) {
+                    self.add_up(row, &mut scratch);
+                    self.bytes(&mut scratch.sums, tone, bytes);
+                }
+                Lit::Bytes(bytes)
+            }
+            Wanted::Hits | Wanted::Light | Wanted::Parts => {
+                let mut light = Vec::with_capacity(count);
+                for row in rows {
+                    self.add_up(row, &mut scratch);
+                    light.extend((0..self.columns.len()).map(|at| self.pixel(&scratch.sums, at)));
+                }
+                Lit::Light(light)
+            }
+        };
+        all().push(scratch);
+        lit
+    }
+
+    /// Sets the geometries that the samples of each pixel see.
+    fn rank(&self, rows: &Range<u32>, piece: &mut Piece) {
+        let side = self.shading.samples.side();
+        let first = self.shading.world.ids() as u32;
+        for (pixel, number) in piece.rows_mut().into_iter().flatten().zip(first..) {
+            *pixel = number;
+        }
+        let mut seen = Vec::new();
+        for row in rows.clone() {
+            for column in self.columns.clone() {
+                for row in (row * side..(row + 1) * side).rev() {
+                    let place = self.hits.place(column * side, row);
+                    seen.extend_from_slice(&self.hits.ids[place..place + side as usize]);
+                }
+            }
+        }
+        let count = self.shading.samples.count() as usize;
+        piece.resolve(self.work.resolver.resolve(&seen, count));
+    }
+
+    /// Returns a pixel from the sums of its samples.
+    fn pixel(&self, sums: &Sums, place: usize) -> LitPixel {
+        let count = f64::from(self.shading.samples.count());
+        let hits = f64::from(sums.hits[place]);
+        LitPixel {
+            direct: self.mean(sums, place, sums.light.direct(place)),
+            specular: self.mean(sums, place, sums.light.specular(place)),
+            albedo: sums
+                .albedo
+                .get(place)
+                .map_or(Radiance::BLACK, |sum| *sum / count),
+            coverage: hits / count,
+            behind: self.behind(sums, place),
+        }
+    }
+
+    /// Returns the part of a transparent background that shows in the hits of a pixel.
+    fn behind(&self, sums: &Sums, place: usize) -> f64 {
+        match sums.behind[place] {
+            0.0 => 0.0,
+            sum => (sum / f64::from(sums.hits[place])).min(1.0),
+        }
+    }
+
+    /// Returns the mean of the samples of a pixel that show something.
+    fn mean(&self, sums: &Sums, place: usize, sum: Radiance) -> Radiance {
+        let shown = match self.work.resolver.is_transparent {
+            true => sums.hits[place],
+            false => self.shading.samples.count(),
+        };
+        if shown > 1 {
+            sum / f64::from(shown)
+        } else {
+            sum
+        }
+    }
+
+    /// Sets the bytes of a row of pixels.
+    fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
+        let is_transparent = self.work.resolver.is_transparent;
+        if sums.light.specular.is_empty() && !is_transparent {
+            if self.shading.samples != Samples::ONE {
+                let count = f64::from(self.shading.samples.count());
+                let sums = sums.light.direct.iter_mut().flatten();
+                sums.for_each(|sum| *sum /= count);
+            }
+        } else {
+            for place in 0..bytes.len() {
+                let direct = self.mean(sums, place, sums.light.direct(place));
+                let specular = self.mean(sums, place, sums.light.specular(place));
+                sums.light.set(place, Shaded::direct(direct + specular));
+            }
+        }
+        let light = sums.light.direct.each_ref().map(Vec::as_slice);
+        self.shading.isa.run(Encode { tone, light, bytes });
+    }
+
+    /// Sums up the samples of a row of pixels.
+    fn add_up(&self, row: u32, scratch: &mut Scratch) {
+        let (side, width) = (self.shading.samples.side(), self.columns.len());
+        scratch.sums.clear(width, self.shading.samples);
+        // From the bottom, as the samples of a pixel are numbered.
+        for row in (row * side..(row + 1) * side).rev() {
+            self.shade(row, scratch);
+            let first = self.hits.place(self.columns.start * side, row);
+            let samples = first..first + width * side as usize;
+            self.add(&self.hits.ids[samples.clone()], scratch);
+            if self.work.wanted == Wanted::Parts {
+                self.add_albedo(row, samples, &mut scratch.sums.albedo);
+            }
+        }
+    }
+
+    /// Adds the linear first colors of a row of samples, at these places, to the sums of its pixels.
+    fn add_albedo(&self, row: u32, samples: Range<usize>, sums: &mut Vec<Radiance>) {
+        let side = self.shading.samples.side() as usize;
+        sums.resize(self.columns.len(), Radiance::BLACK);
+        let line = (row - self.hits.rows.start) as usize;
+        let left = self.columns.start as usize * side - self.hits.columns.start as usize;
+        let mut samples = samples.enumerate().map(|(column, place)| {
+            let color = self.color(place, || self.rays.ray(left + column, line));
+            color.map_or(Radiance::BLACK, Color::to_linear)
+        });
+        for sum in sums {
+            let samples = samples.by_ref().take(side);
+            *sum = samples.fold(*sum, |sum, albedo| sum + albedo);
+        }
+    }
+
+    /// Returns the first color that a sample sees at a place, if it hits anything.
+    fn color(&self, place: usize, ray: impl FnOnce() -> Ray) -> Option<Color> {
+        let (id, t) = (self.hits.ids[place], self.hits.t[place]);
+        let geometry = self.shading.world.with_id(id as usize)?;
+        Some(geometry.color_at(ray, t))
+    }
+
+    /// Adds a row of samples, which hit these geometries, to the sums of its pixels.
+    fn add(&self, ids: &[u32], scratch: &mut Scratch) {
+        let side = self.shading.samples.side() as usize;
+        let Scratch { samples, sums, .. } = scratch;
+        let is_transparent = self.work.resolver.is_transparent;
+        let wants_bytes = matches!(self.work.wanted, Wanted::Bytes(_));
+        if is_transparent || !wants_bytes {
+            for (sum, ids) in sums.hits.iter_mut().zip(ids.chunks_exact(side)) {
+                *sum += ids.iter().map(|id| u32::from(*id != NOTHING)).sum::<u32>();
+            }
+        }
+        if is_transparent {
+            for (place, _) in ids.iter().enumerate().filter(|(_, id)| **id == NOTHING) {
+                samples.set(place, Shaded::default());
+            }
+            for (sum, behind) in sums.behind.iter_mut().zip(samples.behind.chunks(side)) {
+                *sum = behind.iter().fold(*sum, |sum, behind| sum + behind);
+            }
+        }
+        if side == 1 {
+            // The only samples are the sums.
+            mem::swap(&mut sums.light.direct, &mut samples.direct);
+        } else {
+            for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
+                match side {
+                    2 => add_rows(sums, samples.as_chunks::<2>().0),
+                    3 => add_rows(sums, samples.as_chunks::<3>().0),
+                    4 => add_rows(sums, samples.as_chunks::<4>().0),
+                    _ => add_rows(sums, samples.chunks_exact(side)),
+                }
+            }
+        }
+        if !samples.specular.is_empty() {
+            sums.light.specular.resize(sums.hits.len(), Radiance::BLACK);
+            let samples = samples.specular.chunks_exact(side);
+            for (sum, samples) in sums.light.specular.iter_mut().zip(samples) {
+                *sum = samples.iter().fold(*sum, |sum, sample| sum + *sample);
+            }
+        }
+    }
+
+    /// Finds the light of a row of samples.
+    fn shade(&self, row: u32, scratch: &mut Scratch) {
+        let Scratch {
+            known,
+            others,
+            samples,
+            ..
+        } = scratch;
+        let shading = self.shading;
+        let (world, lighting) = (shading.world, shading.world.lighting());
+        let side = shading.samples.side();
+        let columns = self.columns.start * side..self.columns.end * side;
+        let first = self.hits.place(columns.start, row);
+        let left = (columns.start - self.hits.columns.start) as usize;
+        let line = (row - self.hits.rows.start) as usize;
+        samples.begin(columns.len());
+        others.clear();
+        let [r, g, b] = &mut samples.direct;
+        shading.isa.run(ShadeRow {
+            world,
+            lighting,
+            shadows: self.state.shadows,
+            queries: shading.queries,
+            row: row_of(self.hits, self.rays, line, left..left + columns.len()),
+            known,
+            light: [r, g, b],
+            others,
+        });
+        if let Some(lighting) = lighting {
+            let mut direct = Direct::new(world, lighting, shading.queries);
+            if self.work.resolver.is_transparent {
+                direct = direct.transparent();
+            }
+            for (place, shadows) in others.each() {
+                let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
+                let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
+                let index = world.index_of(id as usize);
+                let crossing = world.geometries()[index].crossing_at(&path.ray, t);
+                samples.set(place, direct.shade(path, index, crossing));
+            }
+        } else {
+            for (place, _) in others.each() {
+                let color = self.color(first + place, || self.rays.ray(left + place, line));
+                let color = color.unwrap_or(world.background());
+                samples.set(place, Shaded::direct(color.to_linear()));
+            }
+        }
+        if let Some(ink) = &self.ink {
+            for (place, column) in columns.enumerate() {
+                // A sample with very many neighbors takes long; the piece is then dropped.
+                if self.work.cancel.is_cancelled() {
+                    return;
+                }
+                if ink.covers(column, row) {
+                    samples.set(place, Shaded::direct(ink.color()));
+                }
+            }
+        }
+    }
+}
+
+/// Adds the samples of each pixel to its sum, one after the other.
+#[inline(always)]
+fn add_rows(sums: &mut [f64], samples: impl IntoIterator<Item: AsRef<[f64]>>) {
+    for (sum, samples) in sums.iter_mut().zip(samples) {
+        *sum = samples
+            .as_ref()
+            .iter()
+            .fold(*sum, |sum, sample| sum + sample);
+    }
+}
+
+/// Returns a part of a row of samples.
+fn row_of<'a>(hits: &'a Hits, rays: &'a Rays, row: usize, columns: Range<usize>) -> Row<'a> {
+    let first = row * hits.columns.len();
+    let places = first + columns.start..first + columns.end;
+    let [x, y, z] = &rays.columns;
+    Row {
+        camera: rays.camera,
+        columns: [x, y, z].map(|axis| &axis[columns.clone()]),
+        row: rays.rows[row],
+        ids: &hits.ids[places.clone()],
+        t: &hits.t[places],
+    }
+}
