@@ -1,5 +1,7 @@
 //! Conversion of a scene to the other syntax, through the model.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use crate::{
@@ -86,7 +88,9 @@ pub(crate) fn write(model: &impl Serialize, syntax: Syntax) -> String {
                 | ron::extensions::Extensions::UNWRAP_VARIANT_NEWTYPES;
             let options = ron::Options::default().with_default_extension(extensions);
             let mut text = String::new();
-            let serializer = ron::Serializer::with_options(&mut text, None, &options);
+            // Each type of the format has a copy of the serializer, which a direct writer makes larger.
+            let writer: &mut dyn fmt::Write = &mut text;
+            let serializer = ron::Serializer::with_options(writer, None, &options);
             let written = serializer.and_then(|mut serializer| model.serialize(&mut serializer));
             written.map(|()| text).unwrap_or_default()
         }

@@ -140,7 +140,6 @@ fn add(parts: &mut Vec<Part>, symbol: &Symbol, level: usize) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::session::tests::{TEXT, checked, edited};
 
     #[test]

@@ -10,17 +10,45 @@ use super::guard::random;
 const HTML: &str = include_str!("page/index.html");
 const STYLE: &str = include_str!("page/page.css");
 const ICON: &str = include_str!("page/icon.svg");
-const SCRIPT: &str = include_str!("page/built/page.js");
-
 const EVENTS: &str = include_str!("page/built/events.js");
+/// The script `page/built/page.js`, which `build.rs` compresses.
+const SCRIPT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/page.js.zlib"));
+
+const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// The parts of the page: they are the same for everybody, so they need no token.
-const PARTS: [(&str, &str, &str); 4] = [
-    ("/events.js", "text/javascript; charset=utf-8", EVENTS),
-    ("/page.js", "text/javascript; charset=utf-8", SCRIPT),
-    ("/page.css", "text/css; charset=utf-8", STYLE),
-    ("/icon.svg", "image/svg+xml", ICON),
+const PARTS: [Part; 4] = [
+    Part::text("/events.js", JAVASCRIPT, EVENTS),
+    Part {
+        path: "/page.js",
+        kind: JAVASCRIPT,
+        content: SCRIPT,
+        is_compressed: true,
+    },
+    Part::text("/page.css", "text/css; charset=utf-8", STYLE),
+    Part::text("/icon.svg", "image/svg+xml", ICON),
 ];
+
+/// A part of the page.
+struct Part {
+    path: &'static str,
+    /// The media type.
+    kind: &'static str,
+    content: &'static [u8],
+    /// True for a stream of zlib, the encoding that HTTP calls `deflate`.
+    is_compressed: bool,
+}
+
+impl Part {
+    const fn text(path: &'static str, kind: &'static str, content: &'static str) -> Self {
+        Self {
+            path,
+            kind,
+            content: content.as_bytes(),
+            is_compressed: false,
+        }
+    }
+}
 
 /// The place of the nonce in the page.
 const NONCE: &str = "{{nonce}}";
@@ -30,16 +58,19 @@ pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; frame-a
 
 /// Returns true for a part of the page.
 pub(super) fn is_part(path: &str) -> bool {
-    PARTS.iter().any(|(known, ..)| *known == path)
+    PARTS.iter().any(|part| part.path == path)
 }
 
 /// Answers with a part of the page.
 pub(super) fn part(path: &str) -> Response {
-    let part = PARTS.iter().find(|(known, ..)| *known == path);
-    match part {
-        Some((_, kind, text)) => ([(header::CONTENT_TYPE, *kind)], *text).into_response(),
-        None => StatusCode::NOT_FOUND.into_response(),
-    }
+    let Some(part) = PARTS.iter().find(|part| part.path == path) else {
+        return StatusCode::NOT_FOUND.into_response();
+    };
+    let kind = [(header::CONTENT_TYPE, part.kind)];
+    let encoding = part
+        .is_compressed
+        .then_some([(header::CONTENT_ENCODING, "deflate")]);
+    (kind, encoding, part.content).into_response()
 }
 
 /// Answers with the page.

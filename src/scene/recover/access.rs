@@ -22,11 +22,15 @@ use crate::{
     },
 };
 
-/// The fields of a struct, each with its path.
+/// The fields of a struct with their values.
+pub(super) type Fields = Vec<(&'static str, Value)>;
+
+/// The fields of a struct, each with its path. They are in memory, so that each struct of the format is
+/// compiled once.
 pub(super) fn fields<'de, 'a, 'p>(
     document: Text<'a>,
     path: &'p Trail<'p>,
-    fields: impl IntoIterator<Item = (&'static str, Value)>,
+    fields: Fields,
 ) -> impl MapAccess<'de, Error = Fault> {
     MapDeserializer::new(fields.into_iter().map(move |(field, value)| {
         let path = path.field(field);
@@ -40,10 +44,8 @@ pub(super) fn fields<'de, 'a, 'p>(
 }
 
 /// Stand-ins for all fields.
-pub(super) fn stand_ins(
-    known: &'static [&'static str],
-) -> impl Iterator<Item = (&'static str, Value)> {
-    known.iter().map(|field| (*field, Value::StandIn))
+pub(super) fn stand_ins(known: &'static [&'static str]) -> Fields {
+    known.iter().map(|field| (*field, Value::StandIn)).collect()
 }
 
 /// The fields that `owner` gives, a node with keys and values or an empty one, then those that it
@@ -54,7 +56,7 @@ pub(super) fn given_fields(
     owner: NodeId,
     place: &Range<usize>,
     known: &'static [&'static str],
-) -> Vec<(&'static str, Value)> {
+) -> Fields {
     let mut given: Vec<(&'static str, NodeId, Value)> = Vec::with_capacity(known.len());
     let mut unknown = Vec::new();
     for (key, value) in document.tree.fields(owner) {

@@ -11,7 +11,7 @@ use crate::{
     },
     scene::recover::{
         NO_NUMBER, Text,
-        access::{Elements, fields, given_fields, stand_ins},
+        access::{Elements, Fields, fields, given_fields, stand_ins},
         entries::entries,
         fix::{Wants, respelt},
         foreign,
@@ -269,6 +269,55 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
+    /// Returns the fields of a struct; reports all else.
+    fn fields(&self, struct_name: &str, known: &'static [&'static str]) -> Fields {
+        let (document, path) = (self.document, &self.path);
+        let Some(id) = self.node() else {
+            return stand_ins(known);
+        };
+        let node = document.tree.node(id);
+        if !has_fields(document, id) {
+            let expected = match self.syntax() {
+                Syntax::Ron => "named fields in round brackets",
+                Syntax::Json => "an object with named fields",
+            };
+            let mut diagnostic = self.wrong_type(id, expected, Wants::Other);
+            if (node.kind(), self.syntax()) == (Kind::Map, Syntax::Ron)
+                && matches!(path, Trail::Root)
+            {
+                let json = "this looks like JSON: give the file the extension `.json`, or \
+                            convert it";
+                diagnostic.help = Some(json.to_owned());
+            }
+            if known == ROTATION
+                && let Some((help, fix)) = foreign::rotation(document, id)
+            {
+                diagnostic = diagnostic.with_help(help).with_fix(fix);
+            }
+            document.replace(id, diagnostic);
+            return stand_ins(known);
+        }
+        let mut bracket = node.range().start;
+        if let Some(range) = node.name() {
+            bracket = document
+                .tree
+                .bracket_after(document.text, range.end, node.range().end);
+            let spelt = document.slice(range.clone());
+            if name(spelt) != struct_name {
+                let message = format!(
+                    "unexpected name {}, expected `{struct_name}` or none",
+                    quote(spelt)
+                );
+                let help = self.wrong_type(id, struct_name, Wants::Other).help;
+                let mut diagnostic = Diagnostic::new(Code::WrongType, range, message);
+                diagnostic.help = help;
+                document.note(diagnostic.with_path(path));
+            }
+        }
+        let place = bracket..bracket + 1;
+        given_fields(document, path, id, &place, known)
+    }
+
     /// Returns true if a node is written as a tuple.
     fn is_tuple(&self, id: NodeId) -> bool {
         match (self.syntax(), self.kind(id)) {
@@ -394,56 +443,12 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
 
     fn deserialize_struct<V: Visitor<'de>>(
         self,
-        struct_name: &'static str,
+        name: &'static str,
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        let (document, path) = (self.document, &self.path);
-        let Some(id) = self.node() else {
-            return visitor.visit_map(fields(document, path, stand_ins(known)));
-        };
-        let node = document.tree.node(id);
-        if !has_fields(document, id) {
-            let expected = match self.syntax() {
-                Syntax::Ron => "named fields in round brackets",
-                Syntax::Json => "an object with named fields",
-            };
-            let mut diagnostic = self.wrong_type(id, expected, Wants::Other);
-            if (node.kind(), self.syntax()) == (Kind::Map, Syntax::Ron)
-                && matches!(path, Trail::Root)
-            {
-                let json = "this looks like JSON: give the file the extension `.json`, or \
-                            convert it";
-                diagnostic.help = Some(json.to_owned());
-            }
-            if known == ROTATION
-                && let Some((help, fix)) = foreign::rotation(document, id)
-            {
-                diagnostic = diagnostic.with_help(help).with_fix(fix);
-            }
-            document.replace(id, diagnostic);
-            return visitor.visit_map(fields(document, path, stand_ins(known)));
-        }
-        let mut bracket = node.range().start;
-        if let Some(range) = node.name() {
-            bracket = document
-                .tree
-                .bracket_after(document.text, range.end, node.range().end);
-            let spelt = document.slice(range.clone());
-            if name(spelt) != struct_name {
-                let message = format!(
-                    "unexpected name {}, expected `{struct_name}` or none",
-                    quote(spelt)
-                );
-                let help = self.wrong_type(id, struct_name, Wants::Other).help;
-                let mut diagnostic = Diagnostic::new(Code::WrongType, range, message);
-                diagnostic.help = help;
-                document.note(diagnostic.with_path(path));
-            }
-        }
-        let place = bracket..bracket + 1;
-        let given = given_fields(document, path, id, &place, known);
-        visitor.visit_map(fields(document, path, given))
+        let given = self.fields(name, known);
+        visitor.visit_map(fields(self.document, &self.path, given))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(

@@ -12,7 +12,7 @@ use crate::{
         format::geometry::solid::{OPERANDS, SOLIDS},
         recover::{
             Text,
-            access::{Elements, fields, given_fields, stand_ins},
+            access::{Elements, Fields, fields, given_fields, stand_ins},
             fix, foreign, nameless,
             reader::Fault,
         },
@@ -293,6 +293,45 @@ impl Variant<'_, '_> {
         }
         inside
     }
+
+    /// Returns the fields in the brackets of a variant, in JSON of its value; reports all else.
+    fn fields(self, known: &'static [&'static str]) -> Fields {
+        let Self {
+            document,
+            path,
+            name,
+            given,
+        } = self;
+        let Some(Given { place, body, whole }) = given else {
+            return stand_ins(known);
+        };
+        let Some(body) = body.filter(|body| has_fields(document, *body)) else {
+            // In JSON the name is right if it has content.
+            let whole = match (document.tree.syntax(), body) {
+                (Syntax::Json, Some(body)) => body,
+                _ => whole,
+            };
+            let expected = expected(document.tree.syntax(), name, body.is_some(), known);
+            let mut diagnostic = document
+                .wrong_type(whole, path, expected)
+                .with_help(with_fields(document.tree.syntax(), name, known));
+            // A name alone lacks its brackets.
+            diagnostic.fix = body.is_none().then(|| fix::opened(document, place, name));
+            let (text, tree) = (document.text, document.tree);
+            let values: Vec<_> = match (tree.syntax(), body) {
+                (Syntax::Ron, Some(body)) => tree.children(body).collect(),
+                (Syntax::Json, body) => body.into_iter().collect(),
+                (Syntax::Ron, None) => Vec::new(),
+            };
+            if let Some(names) = nameless::names(text, tree, name, Some(known), &values) {
+                diagnostic =
+                    nameless::with_names(diagnostic, text, tree, Some(name), &values, &names);
+            }
+            document.replace(whole, diagnostic);
+            return stand_ins(known);
+        };
+        given_fields(document, path, body, &place, known)
+    }
 }
 
 impl<'de, 'a, 'p> EnumAccess<'de> for Variant<'a, 'p> {
@@ -369,42 +408,8 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        let Self {
-            document,
-            path,
-            name,
-            given,
-        } = self;
-        let Some(Given { place, body, whole }) = given else {
-            return visitor.visit_map(fields(document, path, stand_ins(known)));
-        };
-        let Some(body) = body.filter(|body| has_fields(document, *body)) else {
-            // In JSON the name is right if it has content.
-            let whole = match (document.tree.syntax(), body) {
-                (Syntax::Json, Some(body)) => body,
-                _ => whole,
-            };
-            let expected = expected(document.tree.syntax(), name, body.is_some(), known);
-            let mut diagnostic = document
-                .wrong_type(whole, path, expected)
-                .with_help(with_fields(document.tree.syntax(), name, known));
-            // A name alone lacks its brackets.
-            diagnostic.fix = body.is_none().then(|| fix::opened(document, place, name));
-            let (text, tree) = (document.text, document.tree);
-            let values: Vec<_> = match (tree.syntax(), body) {
-                (Syntax::Ron, Some(body)) => tree.children(body).collect(),
-                (Syntax::Json, body) => body.into_iter().collect(),
-                (Syntax::Ron, None) => Vec::new(),
-            };
-            if let Some(names) = nameless::names(text, tree, name, Some(known), &values) {
-                diagnostic =
-                    nameless::with_names(diagnostic, text, tree, Some(name), &values, &names);
-            }
-            document.replace(whole, diagnostic);
-            return visitor.visit_map(fields(document, path, stand_ins(known)));
-        };
-        let given = given_fields(document, path, body, &place, known);
-        visitor.visit_map(fields(document, path, given))
+        let (document, path) = (self.document, self.path);
+        visitor.visit_map(fields(document, path, self.fields(known)))
     }
 
     /// Reads the string in the brackets of a variant, in JSON its value.
