@@ -14,8 +14,8 @@ impl View {
 
     /// Returns a PNG file of the view for a screen with more pixels than the picture: all samples, `factor`
     /// times the size or as large as [`View::LARGEST`] allows. Each pixel of the picture becomes a square of
-    /// pixels. `None` if it would be the picture itself, for a scene with outlines, and for an orthographic camera
-    /// that stretches its pixels.
+    /// pixels, and outlines are as much wider. `None` if it would be the picture itself, and for an orthographic
+    /// camera that stretches its pixels.
     ///
     /// # Errors
     ///
@@ -35,6 +35,8 @@ impl View {
         };
         // The range of depths is that of the picture.
         let options = self.options(&scene, Quality::Full, cancel)?;
+        let samples = self.samples.unwrap_or_else(|| scene.samples());
+        let options = options.samples(scene.samples_magnified(samples, factor));
         let mut file = Vec::new();
         magnified.write_with(&mut file, ImageFormat::PNG, &options)?;
         Ok(Some(file))
@@ -44,7 +46,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{render::layers::Layer, text::syntax::Syntax};
+    use crate::{film::samples::Samples, render::layers::Layer, text::syntax::Syntax};
 
     fn decoded(file: &[u8]) -> image::RgbImage {
         image::load_from_memory(file).unwrap().to_rgb8()
@@ -99,9 +101,41 @@ mod tests {
         assert_eq!(width(u32::MAX), Some(4000));
         assert_eq!(width(2), Some(800));
         assert_eq!((width(0), width(1)), (None, None));
-        let outlined = text.replace("camera:", "outlines: (), camera:");
-        let scene = Scene::from_text(outlined, Syntax::Ron).unwrap();
+        let stretched = "Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 2, stretch: true)";
+        let text = text.replace(camera, stretched);
+        let scene = Scene::from_text(text.as_str(), Syntax::Ron).unwrap();
         let file = View::default().magnified(&scene, 2, &Cancel::new());
         assert_eq!(file.unwrap(), None);
+    }
+
+    #[test]
+    fn lines_of_a_magnified_picture_are_as_wide_in_the_scene() {
+        let text = "(
+            image: (width: 60, height: 45, samples: 4),
+            camera: Fit(),
+            background: \"#fff\",
+            outlines: (width: 2),
+            geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#fff\")],
+        )";
+        let scene = Scene::from_text(text, Syntax::Ron).unwrap();
+        let (view, cancel) = (View::default(), Cancel::new());
+        // Half of a pixel with the byte 188 is inked.
+        let inked = |file: Vec<u8>| {
+            let picture = decoded(&file);
+            let pixels = picture.pixels().filter(|pixel| pixel.0[0] <= 188);
+            pixels.count() as f64
+        };
+        let own = inked(view.png(&scene, Quality::Full, &cancel).unwrap());
+        for factor in [2, 3] {
+            let large = view.magnified(&scene, factor, &cancel).unwrap().unwrap();
+            let ratio = inked(large) / own / f64::from(factor * factor);
+            assert!((ratio - 1.0).abs() < 0.1, "{factor} {ratio}");
+        }
+        let side = |side: u32, factor| {
+            let samples = Samples::new(side * side).unwrap();
+            scene.samples_magnified(samples, factor).side()
+        };
+        assert_eq!([side(4, 2), side(4, 3), side(8, 2)], [2, 2, 4]);
+        assert_eq!([side(1, 3), side(2, 2), side(4, 9)], [1, 2, 2]);
     }
 }

@@ -83,5 +83,9 @@ fn a_json_scene_hides_nothing(browser: &Browser) {
     open(&page);
     page.and_draw(|| page.choose("[aria-label='Add to geometries']", "Box"));
     page.wait("document.querySelectorAll('.part').length === 3");
-    assert!(!page.is("document.querySelector('[aria-label^=Hide]')"));
+    let hide = "document.querySelectorAll('[aria-label^=Hide]')";
+    let says_why = "button => button.disabled && button.title.includes('JSON has no comments')";
+    assert!(page.is(&format!(
+        "{hide}.length === 2 && [...{hide}].every({says_why})"
+    )));
 }

@@ -94,11 +94,13 @@ export class Parts {
       if (part.kind === "camera") this.onCamera(part.name);
     });
     item.append(find);
-    if (canHide && part.kind !== "camera") {
+    if (part.kind !== "camera") {
       const hide = document.createElement("button");
       hide.type = "button";
       hide.textContent = part.is_hidden ? "Show" : "Hide";
       hide.setAttribute("aria-label", `${hide.textContent} ${find.textContent}`);
+      hide.disabled = !canHide;
+      if (!canHide) hide.title = "A hidden part is in a comment, and JSON has no comments; RON has.";
       hide.addEventListener("click", () => void this.edit({ hide_or_show: part.from }));
       item.append(hide);
     }
