@@ -14,7 +14,6 @@ use crate::{
         },
         pages::Pages,
     },
-    parallel::Pool,
     simd::{Isa, Kernel, Simd},
     tracer::{
         color::Color,
@@ -38,8 +37,12 @@ const FEW_SHAPES: usize = 8;
 
 /// Gives copies an index, if they have none. Few of them, or some whose numbers are extreme, need the
 /// loop.
-pub(crate) fn index_copies(copies: &Instances, pool: &Pool, isa: Isa) {
-    copies.index_with(|copies| Some(Box::new(Copies::new(copies, pool, isa)?)));
+pub(crate) fn index_copies(copies: &Instances, builder: Builder<'_>) {
+    copies.index_with(|copies| {
+        let index = Copies::new(copies, builder)?;
+        // One that was cancelled may be a part only.
+        (!builder.is_cancelled()).then(|| Box::new(index) as Box<dyn Index>)
+    });
 }
 
 /// The index of copies.
@@ -70,17 +73,17 @@ struct Prototype {
 }
 
 impl Copies {
-    fn new(copies: &Instances, pool: &Pool, isa: Isa) -> Option<Self> {
-        let places = Places::new(copies, pool, isa);
+    fn new(copies: &Instances, builder: Builder<'_>) -> Option<Self> {
+        let places = Places::new(copies, builder);
         let prototype = (copies.shapes().len() > FEW_SHAPES).then(|| {
             let shapes = copies.shapes();
             let shapes = shapes.map(|shape| Geometry::new(shape.clone(), Color::BLACK));
             let world = World::new(shapes.collect(), Color::BLACK);
-            let hierarchy = Hierarchy::new(&world, pool, isa);
+            let hierarchy = Hierarchy::new(&world, builder);
             Prototype { world, hierarchy }
         });
         (places.is_some() || prototype.is_some()).then_some(Self {
-            isa,
+            isa: builder.isa,
             places,
             prototype,
         })
@@ -120,7 +123,7 @@ impl Copies {
 }
 
 impl Places {
-    fn new(copies: &Instances, pool: &Pool, isa: Isa) -> Option<Self> {
+    fn new(copies: &Instances, builder: Builder<'_>) -> Option<Self> {
         let whole = Hull::of_box(copies.bounds()?);
         if !(FEW..=Item::LAST).contains(&copies.len()) || !whole.is_ordinary() {
             return None;
@@ -131,7 +134,7 @@ impl Places {
             let [center, half] = frame.hull(&Hull::of_box(copies.box_of(copy)?));
             *item = Item::new(center, half, copy as u32);
         }
-        let (tree, lists) = Builder { isa, pool }.tree(items, Lists::default());
+        let (tree, lists) = builder.tree(items, Lists::default())?;
         let (mut boxes, mut firsts) = (Vec::new(), Vec::new());
         boxes.reserve_exact(copies.len());
         for list in 0..lists.len() {

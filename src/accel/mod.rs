@@ -22,12 +22,12 @@ use glam::DVec3;
 
 use crate::{
     accel::{
+        bvh::build::Builder,
         instances::index_copies,
         mesh::index_mesh,
         round::{FirstOfEach, Round},
     },
-    parallel::Pool,
-    simd::{Isa, Simd},
+    simd::Simd,
     tracer::{
         geometry::Geometry,
         ray::{BUNDLE, Bundle},
@@ -41,23 +41,22 @@ use crate::{
 /// Gives the shapes of geometries an index, if they may have one.
 pub(crate) fn index_shapes<'a>(
     geometries: impl IntoIterator<Item = &'a Geometry>,
-    pool: &Pool,
-    isa: Isa,
+    builder: Builder<'_>,
 ) {
     for geometry in geometries {
-        index_shape(geometry.shape(), pool, isa);
+        index_shape(geometry.shape(), builder);
     }
 }
 
-fn index_shape(shape: &Shape, pool: &Pool, isa: Isa) {
+fn index_shape(shape: &Shape, builder: Builder<'_>) {
     if let Some(mesh) = shape.mesh() {
-        index_mesh(mesh, pool, isa);
+        index_mesh(mesh, builder);
     }
     if let Some(copies) = shape.copies() {
         copies
             .shapes()
-            .for_each(|shape| index_shape(shape, pool, isa));
-        index_copies(copies, pool, isa);
+            .for_each(|shape| index_shape(shape, builder));
+        index_copies(copies, builder);
     }
 }
 

@@ -3,10 +3,8 @@
 use std::sync::OnceLock;
 
 use crate::{
-    accel::bvh::Hierarchy,
+    accel::bvh::{Hierarchy, build::Builder},
     integrator::direct::Queries,
-    parallel::Pool,
-    simd::Isa,
     tracer::{
         color::Color,
         geometry::Geometry,
@@ -24,18 +22,16 @@ const FEW: usize = 8;
 /// A world, with a tree once that pays.
 pub(crate) struct Accelerated<'a> {
     world: &'a World,
-    pool: &'a Pool,
-    isa: Isa,
+    builder: Builder<'a>,
     hierarchy: OnceLock<Hierarchy>,
 }
 
 impl<'a> Accelerated<'a> {
     /// Prepares a world.
-    pub(crate) fn new(world: &'a World, pool: &'a Pool, isa: Isa) -> Self {
+    pub(crate) fn new(world: &'a World, builder: Builder<'a>) -> Self {
         let accelerated = Self {
             world,
-            pool,
-            isa,
+            builder,
             hierarchy: OnceLock::new(),
         };
         let sends_rays = |material: &Material| match material {
@@ -68,7 +64,7 @@ impl Queries for Accelerated<'_> {
 
     fn prepare(&self) {
         if self.world.lighting().is_some() && self.world.geometries().len() > FEW {
-            let build = || Hierarchy::new(self.world, self.pool, self.isa);
+            let build = || Hierarchy::new(self.world, self.builder);
             self.hierarchy.get_or_init(build);
         }
     }

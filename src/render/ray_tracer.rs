@@ -181,7 +181,7 @@ impl<'a> RayTracer<'a> {
             let shading = Shading {
                 camera: self.camera,
                 world: self.world,
-                queries: &Accelerated::new(self.world, work.pool, self.isa),
+                queries: &Accelerated::new(self.world, work.builder(self.isa)),
                 size: self.size,
                 samples: self.samples,
                 outlines: self.outlines,

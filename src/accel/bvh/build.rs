@@ -11,7 +11,7 @@ use crate::{
         },
         pages::Pages,
     },
-    parallel::Pool,
+    parallel::{Cancel, Pool},
     simd::{Isa, LANES},
     tracer::geometry::Geometry,
 };
@@ -27,11 +27,16 @@ const PARALLEL: usize = 1 << 14;
 /// would take more memory.
 const SHARES: usize = 2;
 
+/// Runs that are longer are not split once the building is cancelled. Tests use less.
+const OFTEN: usize = if cfg!(test) { 1 << 6 } else { 1 << 12 };
+
 /// The resources for building a tree.
 #[derive(Clone, Copy)]
 pub(crate) struct Builder<'a> {
     pub(crate) isa: Isa,
     pub(crate) pool: &'a Pool,
+    /// What ends the building early, if anything does.
+    pub(crate) cancel: Option<&'a Cancel>,
 }
 
 /// A tree that grows.
@@ -47,7 +52,7 @@ pub(crate) trait Leaves: Send + Sync {
     /// Returns those of a part of the tree, as yet none.
     fn none(&self) -> Self;
 
-    /// Adds a leaf with some items, at least one and at most eight, and returns the link to it.
+    /// Adds a leaf with some items, at most eight, and returns the link to it.
     fn add(&mut self, items: &[Item]) -> Link;
 
     /// Returns the number of leaves that other ones move up by if they are appended.
@@ -104,9 +109,26 @@ const TOGETHER: usize = 1 << 10;
 /// A part of a node: its items and their bounding box.
 type Part<'a> = (&'a mut [Item], Bounds);
 
+impl<'a> Builder<'a> {
+    /// Creates the resources of a building that nothing ends early.
+    pub(crate) const fn new(pool: &'a Pool, isa: Isa) -> Self {
+        Self {
+            isa,
+            pool,
+            cancel: None,
+        }
+    }
+}
+
 impl Builder<'_> {
-    /// Builds a tree over items, at least one. Their memory is free before the nodes are moved.
-    pub(crate) fn tree<L: Leaves>(&self, mut items: Pages<Item>, leaves: L) -> (Tree, L) {
+    /// Returns true once the building is cancelled.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(Cancel::is_cancelled)
+    }
+
+    /// Builds a tree over items, at least one; `None` if it is cancelled. Their memory is free before the
+    /// nodes are moved.
+    pub(crate) fn tree<L: Leaves>(&self, mut items: Pages<Item>, leaves: L) -> Option<(Tree, L)> {
         let alone = match self.pool.threads() {
             1 => usize::MAX,
             threads => PARALLEL.max(items.len() / (SHARES * threads)),
@@ -114,9 +136,12 @@ impl Builder<'_> {
         let mut sketch = Sketch::new(&items, alone, leaves);
         let root = self.place(items.as_mut(), 0, &mut sketch);
         drop(items);
+        if self.is_cancelled() {
+            return None;
+        }
         let Sketch { nodes, leaves, .. } = sketch;
         let nodes = nodes.into();
-        (Tree { nodes, root }, leaves)
+        Some((Tree { nodes, root }, leaves))
     }
 
     /// Copies the shapes of lists to leaves.
@@ -135,6 +160,10 @@ impl Builder<'_> {
     fn place<L: Leaves>(&self, items: &mut [Item], level: usize, tree: &mut Sketch<L>) -> Link {
         if items.len() <= LANES {
             return tree.leaves.add(items);
+        }
+        if items.len() > OFTEN && self.is_cancelled() {
+            // The tree is dropped.
+            return tree.leaves.add(&[]);
         }
         let together = items.len() > tree.alone;
         let parts = self.parts(items, level);
@@ -169,11 +198,11 @@ impl Builder<'_> {
 
     /// Splits items into the parts of a node: the part that costs rays most is always split next.
     fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
-        let by_cost = level < BY_COST;
+        let (by_cost, is_long) = (level < BY_COST, items.len() > OFTEN);
         let mut parts = Vec::with_capacity(LANES);
         let bounds = self.isa.run(Surround(items));
         parts.push((items, bounds));
-        while parts.len() < LANES {
+        while parts.len() < LANES && !(is_long && self.is_cancelled()) {
             let weight = |(items, bounds): &Part<'_>| match items.len() {
                 0..=LANES => -1.0,
                 _ if by_cost => bounds.half_area(),

@@ -154,7 +154,7 @@ impl Bvh {
     }
 
     fn build(world: Arc<World>, pool: &Pool, isa: Isa) -> Self {
-        let hierarchy = Hierarchy::new(&world, pool, isa);
+        let hierarchy = Hierarchy::new(&world, Builder::new(pool, isa));
         Self { world, hierarchy }
     }
 
@@ -193,33 +193,37 @@ impl Bvh {
 }
 
 impl Hierarchy {
-    /// Builds the hierarchy of a world, the one that all other methods are to be called with.
-    pub(crate) fn new(world: &World, pool: &Pool, isa: Isa) -> Self {
+    /// Builds the hierarchy of a world, the one that all other methods are to be called with. If it is
+    /// cancelled, all shapes are apart.
+    pub(crate) fn new(world: &World, builder: Builder<'_>) -> Self {
         let geometries = world.geometries();
-        index_shapes(geometries, pool, isa);
+        index_shapes(geometries, builder);
         let hulls = || geometries.iter().enumerate().filter_map(inside);
         // A tree of a single shape, such as a mesh, has no boxes: the plain loop is faster.
         let second = hulls().nth(1);
         let frame = second.and_then(|_| Frame::around(hulls().map(|(_, hull)| hull)));
-        let within = |at: &(usize, &Geometry)| frame.is_some() && inside(*at).is_some();
-        let apart = geometries.iter().enumerate().filter(|at| !within(at));
-        let apart = apart.map(|(index, _)| index).collect();
-        let shapes = frame.map(|frame| {
-            let builder = Builder { isa, pool };
+        let shapes = frame.and_then(|frame| {
             let items = hulls().map(|(index, hull)| {
                 let [center, half] = frame.hull(&hull);
                 Item::new(center, half, index)
             });
             let items = Pages::collect(geometries.len(), items);
-            let (tree, lists) = builder.tree(items, Lists::default());
+            let (tree, lists) = builder.tree(items, Lists::default())?;
             let leaves = builder.leaves(&lists, geometries);
-            Shapes {
+            Some(Shapes {
                 frame,
                 tree,
                 leaves,
-            }
+            })
         });
-        Self { isa, apart, shapes }
+        let within = |at: &(usize, &Geometry)| shapes.is_some() && inside(*at).is_some();
+        let apart = geometries.iter().enumerate().filter(|at| !within(at));
+        let apart = apart.map(|(index, _)| index).collect();
+        Self {
+            isa: builder.isa,
+            apart,
+            shapes,
+        }
     }
 
     /// Returns the index and the crossing of [`World::hit_from`], for a ray that leaves the face

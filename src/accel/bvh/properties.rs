@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::{
-    accel::bvh::{Bvh, Hierarchy},
-    parallel::Pool,
+    accel::bvh::{Bvh, Hierarchy, build::Builder},
+    parallel::{Cancel, Pool},
     simd::Isa,
     tracer::{
         color::Color,
@@ -227,7 +227,9 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
         }
         let pool = Pool::new(Some(1));
         let indexed = world.without_indices();
-        let trees = isas.iter().map(|isa| Hierarchy::new(&indexed, &pool, *isa));
+        let trees = isas
+            .iter()
+            .map(|isa| Hierarchy::new(&indexed, Builder::new(&pool, *isa)));
         let trees: Vec<_> = trees.collect();
         for _ in 0..RAYS {
             let mut ray = ray(&mut rng, &world);
@@ -316,4 +318,30 @@ fn any_number_of_threads_gives_the_same_hits() {
     }
     let away = Ray::new(DVec3::ONE * 2.0, DVec3::ONE);
     assert_eq!(trees[0].nearest(&away, f64::INFINITY), None);
+}
+
+#[test]
+fn a_cancelled_hierarchy_has_the_hits_of_the_loop() {
+    let ball = |place: u32| {
+        let center = DVec3::new(f64::from(place), f64::from(place % 7), -9.0);
+        Geometry::new(Sphere::new(center, 1.0).unwrap(), Color::WHITE)
+    };
+    let world = World::new((0..300).map(ball).collect(), Color::BLACK);
+    let (pool, cancel) = (Pool::new(Some(2)), Cancel::new());
+    let builder = Builder {
+        cancel: Some(&cancel),
+        ..Builder::new(&pool, Isa::best())
+    };
+    let whole = Hierarchy::new(&world, builder);
+    assert!(whole.shapes.is_some() && whole.apart.is_empty());
+    cancel.cancel();
+    let none = Hierarchy::new(&world, builder);
+    assert_eq!((none.shapes.is_none(), none.apart.len()), (true, 300));
+    let ray = Ray::new(DVec3::new(3.0, 3.0, 0.0), DVec3::NEG_Z);
+    let own = FaceId {
+        geometry: 0,
+        face: 0,
+    };
+    let found = [&whole, &none].map(|tree| tree.nearest_from(&world, &ray, Some(own)));
+    assert!(found[0].is_some() && found[0] == found[1]);
 }

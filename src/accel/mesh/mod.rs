@@ -30,7 +30,6 @@ use crate::{
         },
         pages::Pages,
     },
-    parallel::Pool,
     simd::{F64x8, Isa, Kernel, LANES, Mask, Simd},
     tracer::{
         ray::{BUNDLE, Bundle},
@@ -55,10 +54,9 @@ thread_local! {
 
 /// Gives a mesh an index, if it has none. One that is small, or whose numbers are extreme, needs the
 /// loop.
-pub(crate) fn index_mesh(mesh: &Mesh, pool: &Pool, isa: Isa) {
-    let build = |mesh: &Mesh| -> Option<Box<dyn Index>> {
-        Some(Box::new(Triangles::new(mesh, pool, isa)?))
-    };
+pub(crate) fn index_mesh(mesh: &Mesh, builder: Builder<'_>) {
+    let build =
+        |mesh: &Mesh| -> Option<Box<dyn Index>> { Some(Box::new(Triangles::new(mesh, builder)?)) };
     mesh.index_with(build);
 }
 
@@ -74,7 +72,8 @@ struct Triangles {
 }
 
 impl Triangles {
-    fn new(mesh: &Mesh, pool: &Pool, isa: Isa) -> Option<Self> {
+    fn new(mesh: &Mesh, builder: Builder<'_>) -> Option<Self> {
+        let Builder { isa, pool, .. } = builder;
         let count = mesh.triangles().len();
         let whole = Hull::of_box(mesh.bounds()?);
         if !(FEW..=Item::LAST).contains(&count) || !whole.is_ordinary() {
@@ -95,7 +94,7 @@ impl Triangles {
                 *to = item((first + place) as u32);
             }
         });
-        let (tree, lists) = Builder { isa, pool }.tree(items, Lists::of(mesh));
+        let (tree, lists) = builder.tree(items, Lists::of(mesh))?;
         let patches = lists.patches(pool);
         Some(Self {
             isa,

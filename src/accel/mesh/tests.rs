@@ -5,8 +5,11 @@ use std::{collections::HashMap, sync::Arc};
 use glam::DVec3;
 
 use crate::{
-    accel::mesh::{Triangles, bundle::FirstOfEach, index_mesh},
-    parallel::Pool,
+    accel::{
+        bvh::build::Builder,
+        mesh::{Triangles, bundle::FirstOfEach, index_mesh},
+    },
+    parallel::{Cancel, Pool},
     simd::Isa,
     tracer::{
         random::{Rng, cases},
@@ -89,7 +92,7 @@ fn the_index_agrees_with_the_loop() {
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let triangles: Vec<Triangles> = Isa::all()
             .into_iter()
-            .filter_map(|isa| Triangles::new(&plain, &pool, isa))
+            .filter_map(|isa| Triangles::new(&plain, Builder::new(&pool, isa)))
             .collect();
         indexed += usize::from(!triangles.is_empty());
         let mut patches = triangles.iter().flat_map(|it| &*it.patches);
@@ -176,7 +179,7 @@ fn bundles_meet_what_their_rays_do() {
         let shape =
             Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
         for isa in Isa::all() {
-            let Some(triangles) = Triangles::new(&plain, &pool, isa) else {
+            let Some(triangles) = Triangles::new(&plain, Builder::new(&pool, isa)) else {
                 continue;
             };
             for _ in 0..RAYS / 3 {
@@ -284,7 +287,7 @@ fn leaks(rng: &mut Rng, levels: usize, rays: usize) -> usize {
         *vertex = center + *vertex * size * (1.0 + roughness * rng.signed());
     }
     let mesh = Mesh::new(vertices, triangles).unwrap();
-    index_mesh(&mesh, &Pool::new(None), Isa::best());
+    index_mesh(&mesh, Builder::new(&Pool::new(None), Isa::best()));
     let leaks = (0..rays).filter(|_| {
         let face = rng.below(mesh.triangles().len()) as u64;
         let [a, b, _] = mesh.corners(face).unwrap();
@@ -367,8 +370,26 @@ fn a_mesh_is_indexed_once() {
     for _ in 0..2 {
         mesh.index_with(|mesh| {
             built += 1;
-            Some(Box::new(Triangles::new(mesh, &pool, Isa::best())?))
+            Some(Box::new(Triangles::new(
+                mesh,
+                Builder::new(&pool, Isa::best()),
+            )?))
         });
     }
     assert_eq!(built, 1);
+}
+
+// A mesh is shared by scenes, so it must not keep a part of an index.
+#[test]
+fn a_cancelled_mesh_has_no_index() {
+    let (vertices, triangles) = torus(24, 24, 0.3);
+    let mesh = Mesh::new(vertices, triangles).unwrap();
+    let (pool, cancel) = (Pool::new(Some(2)), Cancel::new());
+    let builder = Builder {
+        cancel: Some(&cancel),
+        ..Builder::new(&pool, Isa::best())
+    };
+    assert!(Triangles::new(&mesh, builder).is_some());
+    cancel.cancel();
+    assert!(Triangles::new(&mesh, builder).is_none());
 }

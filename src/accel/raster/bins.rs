@@ -4,6 +4,7 @@ use std::{iter, ops::Range, sync::OnceLock};
 
 use crate::{
     accel::{
+        bvh::build::Builder,
         index_shapes,
         raster::{
             footprint::{Footprint, Project, Projected, Region},
@@ -11,8 +12,6 @@ use crate::{
             view::View,
         },
     },
-    parallel::Pool,
-    simd::Isa,
     tracer::world::World,
 };
 
@@ -49,9 +48,9 @@ impl Bins {
         view: &View,
         world: &World,
         region: Region,
-        pool: &Pool,
-        isa: Isa,
+        builder: Builder<'_>,
     ) -> Option<Self> {
+        let Builder { isa, pool, .. } = builder;
         let geometries = world.geometries();
         let tiles_down = region.height.div_ceil(TILE);
         let wanted = (pool.threads() * GROUPS_PER_THREAD) as u32;
@@ -76,7 +75,7 @@ impl Bins {
         }
         let indexed = parts.iter().flat_map(|part| &part.indexed);
         let indexed = indexed.filter_map(|index| geometries.get(*index as usize));
-        index_shapes(indexed, pool, isa);
+        index_shapes(indexed, builder);
         let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         Some(Self {
             region,

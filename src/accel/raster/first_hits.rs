@@ -3,14 +3,17 @@
 use std::{mem, ops::Range};
 
 use crate::{
-    accel::raster::{
-        bins::Bins,
-        footprint::Region,
-        grouping::TILE,
-        planes::NumberedPlane,
-        samples::DrawSamples,
-        tile::Draw,
-        view::{Grid, View},
+    accel::{
+        bvh::build::Builder,
+        raster::{
+            bins::Bins,
+            footprint::Region,
+            grouping::TILE,
+            planes::NumberedPlane,
+            samples::DrawSamples,
+            tile::Draw,
+            view::{Grid, View},
+        },
     },
     diagnostic::error::Error,
     film::{Centers, Film, Piece, Wanted, resolve::Resolver, samples::Samples, size::Size},
@@ -45,6 +48,17 @@ pub(crate) struct Work<'a> {
     pub(crate) centers: Centers,
     /// The light of shaded pixels that the film keeps.
     pub(crate) wanted: Wanted,
+}
+
+impl<'a> Work<'a> {
+    /// Returns the resources for building trees.
+    pub(crate) const fn builder(&self, isa: Isa) -> Builder<'a> {
+        Builder {
+            isa,
+            pool: self.pool,
+            cancel: Some(self.cancel),
+        }
+    }
 }
 
 /// A consumer of bands.
@@ -189,7 +203,7 @@ impl<'a> FirstHits<'a> {
     /// Bins a region; `None` if that would take too much memory at once.
     fn prepare(&self, region: Region, work: Work) -> Option<Prepared> {
         work.watch.time(|| {
-            let bins = Bins::new(&self.view, self.world, region, work.pool, self.isa)?;
+            let bins = Bins::new(&self.view, self.world, region, work.builder(self.isa))?;
             let eye = self.view.camera.eye();
             let geometries = self.world.geometries();
             let plane = |index: &u32| {

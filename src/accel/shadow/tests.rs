@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
+        bvh::build::Builder,
         index_shapes,
         shadow::{Casters, Casting, Points, Toward},
     },
@@ -268,7 +269,7 @@ fn every_point_agrees_with_the_plain_loop() {
             .collect();
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let indexed = world.without_indices();
-        index_shapes(indexed.geometries(), &pool, Isa::best());
+        index_shapes(indexed.geometries(), Builder::new(&pool, Isa::best()));
         for isa in Isa::all() {
             let Some(casting) = Casting::new(&indexed, casters, toward, &pool, isa) else {
                 assert!(!expected.contains(&true));
