@@ -360,6 +360,41 @@ fn impossible_series_are_rejected() {
 }
 
 #[test]
+fn rows_keep_the_ranges_of_parts() {
+    let folder = steps();
+    let part = |step: u8| {
+        format!(
+            "(geometries: [Spheres(file: \"{step}.csv\", radius: 0.3, color_by: (column: \"q\"))])"
+        )
+    };
+    for step in 0..3 {
+        folder.write(&format!("part{step}.ron"), part(step));
+    }
+    folder.write(
+        "p.ron",
+        "(camera: Fit(), geometries: [Part(file: \"part0.ron\")])",
+    );
+    folder.write(
+        "p.csv",
+        "id,geometries[0].file\n0,part0.ron\n1,part1.ron\n2,part2.ron\n",
+    );
+    for out in ["p_{id}.ppm", "p.apng"] {
+        let done = render(&folder, &format!("p.ron --params p.csv -o {out} --fit-all"));
+        let warning = "--fit-all does not change those of parts";
+        assert_eq!(done.status, Some(0), "{}", done.stderr);
+        assert!(done.stderr.contains(warning), "{}", done.stderr);
+        assert!(!done.stderr.contains("add --fit-all"), "{}", done.stderr);
+    }
+    let done = render(&folder, "p.ron --params p.csv -o q.apng --depfile q.d");
+    assert_eq!(done.status, Some(2));
+    assert!(
+        done.stderr.contains("`strahl info SCENE --depfile FILE`"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
 fn all_rows_are_framed_together() {
     let folder = steps();
     let warning = "the colors of the rows have different ranges";

@@ -110,10 +110,16 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         }
     });
     if run.ranges_differ.into_inner() && !args.draw.quiet {
-        scene::print_warning(
-            "the colors of the rows have different ranges, each that of its own values: add --fit-all \
-             for one range, or give it by `color_by: (range: …)`",
-        );
+        scene::print_warning(match args.fit_all {
+            true => {
+                "some colors of the rows have different ranges: --fit-all does not change those of \
+                 parts, and of geometries that not all rows have; give one by `color_by: (range: …)`"
+            }
+            false => {
+                "the colors of the rows have different ranges, each that of its own values: add \
+                 --fit-all for one range, or give it by `color_by: (range: …)`"
+            }
+        });
     }
     drop(run.records);
     let (timings, rays) = (run.timings, run.rays.into_inner());

@@ -358,8 +358,10 @@ pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     args.check_format()?;
     if args.is_many() {
         if args.depfile.is_some() {
-            let message = "--depfile is for one picture or movie";
-            return Err(Failure::usage(message));
+            return Err(Failure::usage(
+                "--depfile is for a picture or a movie of one scene, not for the rows of --params or \
+                 several scenes; `strahl info SCENE --depfile FILE` writes the files of a scene",
+            ));
         }
         many::run(args, start, &cancel)
     } else {

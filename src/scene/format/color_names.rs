@@ -2,19 +2,72 @@
 
 use std::str::FromStr;
 
-/// Returns the bytes of a color of CSS: a name, in either case, or `rgb(r, g, b)` with bytes. If none is
-/// above 1, they are probably numbers in 0..1, as in POV-Ray.
+/// Returns the bytes of an opaque color of CSS: a name, in either case, or a function.
 pub(crate) fn of_css(text: &str) -> Option<[u8; 3]> {
-    if let Some(channels) = text.strip_prefix("rgb(") {
-        let channels = channels.strip_suffix(')')?.split(',');
-        let channels: Result<Vec<_>, _> = channels.map(|byte| u8::from_str(byte.trim())).collect();
-        let bytes: [u8; 3] = channels.ok()?.try_into().ok()?;
-        return bytes.iter().any(|byte| *byte > 1).then_some(bytes);
+    if let Some((bytes, is_opaque)) = of_function(text) {
+        return is_opaque.then_some(bytes);
     }
     let name = text.to_ascii_lowercase().replace([' ', '_', '-'], "");
     let at = NAMES.binary_search_by_key(&&*name, |(name, _)| name).ok()?;
     let [_, r, g, b] = NAMES.get(at)?.1.to_be_bytes();
     Some([r, g, b])
+}
+
+/// Returns the bytes of a color such as `rgb(255, 128, 0)`, `rgba(100% 50% 0% / 0.5)` or `hsl(120, 50%, 50%)`,
+/// and false if it is not opaque.
+pub(crate) fn of_function(text: &str) -> Option<([u8; 3], bool)> {
+    let (name, arguments) = text.strip_suffix(')')?.split_once('(')?;
+    let arguments = arguments.split(|letter: char| ",/".contains(letter) || letter.is_whitespace());
+    let arguments: Vec<_> = arguments.filter(|argument| !argument.is_empty()).collect();
+    let (channels, alpha) = arguments.split_first_chunk()?;
+    let is_opaque = match alpha {
+        [] => true,
+        [alpha] => fraction(alpha)? == 1.0,
+        _ => return None,
+    };
+    let bytes = match name.to_ascii_lowercase().as_str() {
+        "rgb" | "rgba" => of_rgb(*channels)?,
+        "hsl" | "hsla" => of_hsl(*channels)?,
+        _ => return None,
+    };
+    Some((bytes, is_opaque))
+}
+
+/// Returns a fraction, in 0..1 or as a percentage.
+fn fraction(text: &str) -> Option<f64> {
+    let number = match text.strip_suffix('%') {
+        Some(percent) => f64::from_str(percent).ok()? / 100.0,
+        None => f64::from_str(text).ok()?,
+    };
+    (0.0..=1.0).contains(&number).then_some(number)
+}
+
+fn byte(fraction: f64) -> u8 {
+    (fraction * 255.0).round() as u8
+}
+
+/// Returns the color of three bytes or percentages. Numbers of which none is above 1 are probably in 0..1,
+/// as in POV-Ray.
+fn of_rgb(channels: [&str; 3]) -> Option<[u8; 3]> {
+    let bytes = channels.map(|channel| u8::from_str(channel).ok());
+    if let [Some(r), Some(g), Some(b)] = bytes {
+        return [r, g, b].iter().any(|byte| *byte > 1).then_some([r, g, b]);
+    }
+    let are_percentages = channels.iter().all(|channel| channel.ends_with('%'));
+    let [r, g, b] = channels.map(fraction);
+    are_percentages.then_some([byte(r?), byte(g?), byte(b?)])
+}
+
+/// Returns the color of a hue in degrees, a saturation and a lightness: CSS Color Module Level 4, section 7.1.
+fn of_hsl([hue, saturation, lightness]: [&str; 3]) -> Option<[u8; 3]> {
+    let hue = f64::from_str(hue.strip_suffix("deg").unwrap_or(hue)).ok()?;
+    let (saturation, lightness) = (fraction(saturation)?, fraction(lightness)?);
+    let chroma = saturation * lightness.min(1.0 - lightness);
+    let channel = |offset: f64| {
+        let at = (offset + hue / 30.0).rem_euclid(12.0);
+        byte(lightness - chroma * (at - 3.0).min(9.0 - at).clamp(-1.0, 1.0))
+    };
+    hue.is_finite().then(|| [0.0, 8.0, 4.0].map(channel))
 }
 
 /// Writes a color as `#rrggbb`.
@@ -81,6 +134,23 @@ mod tests {
             ("rgb(1, 0, 0)", None),
             ("rgb(0.5, 0, 0)", None),
             ("rgb(1, 2)", None),
+            ("rgb(255 128 0)", Some([255, 128, 0])),
+            ("rgb(100%, 50%, 0%)", Some([255, 128, 0])),
+            ("rgb(100%, 128, 0%)", None),
+            ("rgba(255, 128, 0, 1)", Some([255, 128, 0])),
+            ("rgba(255, 128, 0, 0.5)", None),
+            ("rgb(255 128 0 / 100%)", Some([255, 128, 0])),
+            // As browsers compute them.
+            ("hsl(120, 50%, 50%)", Some([64, 191, 64])),
+            ("hsl(120, 0.5, 0.5)", Some([64, 191, 64])),
+            ("HSL(-30deg 100% 25%)", Some([128, 0, 64])),
+            ("hsl(0, 0%, 100%)", Some([255, 255, 255])),
+            ("hsl(720, 100%, 50%)", Some([255, 0, 0])),
+            ("hsla(0, 100%, 50%, 0.2)", None),
+            ("hsl(nan, 50%, 50%)", None),
+            ("hsl(inf, 50%, 50%)", None),
+            ("hsl(0, 150%, 50%)", None),
+            ("hwb(0, 0%, 0%)", None),
             ("reddish", None),
             ("", None),
         ] {

@@ -38,6 +38,10 @@ pub(super) fn advice(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Adv
                 let value = format!("\"{}\"", color_names::hex(bytes));
                 return written("did you mean {}?", value);
             }
+            if let Some((bytes, _)) = color_names::of_function(source) {
+                let hex = color_names::hex(bytes);
+                return Some((format!("a color has no alpha: write `\"{hex}\"`"), None));
+            }
             if let Some(value) = numbers(document, id) {
                 return written("write the three numbers alone, without names: {}", value);
             }

@@ -83,6 +83,30 @@ fn values_of_a_field() {
             Some("color: \"#ff8000\""),
         ),
         (
+            "color: hsl(120, 0.5, 0.5)",
+            "hsl(120, 0.5, 0.5)",
+            "did you mean `\"#40bf40\"`?",
+            Some("color: \"#40bf40\""),
+        ),
+        (
+            "color: \"hsl(120, 50%, 50%)\"",
+            "\"hsl(120, 50%, 50%)\"",
+            "did you mean `#40bf40`?",
+            Some("color: \"#40bf40\""),
+        ),
+        (
+            "color: rgba(255, 128, 0, 0.5)",
+            "rgba(255, 128, 0, 0.5)",
+            "a color has no alpha: write `\"#ff8000\"`",
+            None,
+        ),
+        (
+            "color: \"rgba(255, 128, 0, 0.5)\"",
+            "\"rgba(255, 128, 0, 0.5)\"",
+            "a color has no alpha: write `#ff8000`",
+            None,
+        ),
+        (
             "color: rgb(1, 0, 0)",
             "rgb(1, 0, 0)",
             "write the three numbers alone, without names: `(1, 0, 0)`",

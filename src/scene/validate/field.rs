@@ -187,11 +187,15 @@ fn invalid_color(text: &str, path: Path) -> Problem {
         None if is_bare => Some(format!("#{digits}")),
         meant => meant,
     };
+    let opaque = color_names::of_function(text).map(|(bytes, _)| color_names::hex(bytes));
     let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message).cure(
         meant
             .as_ref()
             .map(|meant| Cure::Write(format!("\"{meant}\""))),
     );
+    if let (None, Some(opaque)) = (&meant, opaque) {
+        return problem.help(format!("a color has no alpha: write `{opaque}`"));
+    }
     problem.help(match (digits.len(), meant) {
         (_, Some(meant)) if is_bare => format!("write `{meant}`"),
         (_, Some(meant)) => format!("did you mean `{meant}`?"),

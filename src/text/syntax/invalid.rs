@@ -51,6 +51,10 @@ impl Lexer<'_> {
             '/' | '*' if self.follows_value(start) => {
                 "arithmetic is not evaluated: write the value"
             }
+            '%' if self.follows_value(start) => {
+                "percentages are not evaluated: write the number; a color is `\"#rrggbb\"` or three \
+                 numbers in 0..1"
+            }
             '/' => "a comment starts with `//` or `/*`",
             '*' => "no comment is open here",
             _ => "remove it",
