@@ -368,7 +368,7 @@ fn rows_keep_the_ranges_of_parts() {
         )
     };
     for step in 0..3 {
-        folder.write(&format!("part{step}.ron"), part(step));
+        folder.write(format!("part{step}.ron"), part(step));
     }
     folder.write(
         "p.ron",
