@@ -25,13 +25,14 @@ pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<C
         finder,
         first_cut,
         found: Vec::new(),
+        defaults: Vec::new(),
     };
     if let Some(root) = finder.tree.root() {
         all.add_fields("", Model::FIELDS, root);
     }
     let tree = finder.tree;
     let syntax = tree.syntax();
-    let items = all.found.into_iter().map(|path| {
+    let items = all.found.into_iter().chain(all.defaults).map(|path| {
         let quoted = written(&path, syntax);
         let colon = key("", syntax).trim_start_matches('"').to_owned();
         Completion {
@@ -49,6 +50,8 @@ struct Paths<'f, 'a> {
     finder: &'f Finder<'a>,
     first_cut: usize,
     found: Vec<String>,
+    /// Those of fields that are not given.
+    defaults: Vec<String>,
 }
 
 impl Paths<'_, '_> {
@@ -72,8 +75,12 @@ impl Paths<'_, '_> {
             let value = given.get(field.name);
             if let (Some(of_type), Some(value)) = (field.thing, value) {
                 self.add(&path, of_type(), *value);
-            } else if field.kind.changes() && (value.is_some() || field.has_start) {
+            } else if !field.kind.changes() {
+                // Nothing that a track could change.
+            } else if value.is_some() {
                 self.found.push(path);
+            } else if field.has_start {
+                self.defaults.push(path);
             }
         }
     }
