@@ -437,7 +437,7 @@ fn faults_have_a_place() {
         [
             "face 0 (line 15): a face with 2 corners is not used",
             "face 2 (line 17): a face with 0 corners is not used",
-            "face 3 (line 18): too few numbers",
+            "face 3 (line 18): a face with 1 corner is not used",
         ]
     );
     assert_eq!(
