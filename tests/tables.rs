@@ -1,13 +1,14 @@
 //! Spheres and cylinders from tables: the same world and the same picture as if they were listed in the
 //! scene.
 
-use std::{fs, path::Path};
+use std::{fs, path::Path, time::Duration};
 
 use strahl::{
     Document, ErrorKind, Geometry, ReadOptions, Scene, Syntax,
     diagnostic::Levels,
     jobs::{check_files, find_scenes},
-    scene::Origin,
+    parallel::Cancel,
+    scene::{Memory, Origin},
 };
 
 /// The tables that numpy and other tools have written, by `make.py` in their folder.
@@ -221,4 +222,51 @@ fn many_rows_are_read_completely() {
         let row = row as f64;
         assert_eq!(sphere.center(), strahl::Vec3::new(row, -row, row / 3.0));
     }
+}
+
+#[test]
+fn a_row_is_read_again_unless_its_file_has_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, table) = (folder.path().join("scene.ron"), folder.path().join("a.csv"));
+    let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
+        geometries: [Spheres(file: \"a.csv\", radius: 0.5, color: \"#f00\")])";
+    fs::write(&file, text).unwrap();
+    fs::write(&table, "id,x,y,z\na,nan,nan,nan\nb,1,2,3\n").unwrap();
+    let shown = |scene: &Scene, cancel: &Cancel| {
+        let shape = scene.world().geometries()[0].shape();
+        let cells = scene.row_cells_in_file(0, shape, cancel);
+        assert_eq!(cells.more, 0);
+        let shown = cells.shown.iter();
+        let shown: Vec<_> = shown.map(|(name, text)| format!("{name} {text}")).collect();
+        (cells.is_from_file, shown.join(" "))
+    };
+    let scene = Scene::from_path(&file).unwrap();
+    let of_file = |cells: &str| (true, cells.to_owned());
+    let of_scene = (false, "x 1.0 y 2.0 z 3.0 radius 0.5".to_owned());
+    // The row without a point counts.
+    assert_eq!(shown(&scene, &Cancel::new()), of_file("id b x 1 y 2 z 3"));
+    let cancelled = Cancel::new();
+    cancelled.cancel();
+    assert_eq!(shown(&scene, &cancelled), of_scene);
+    let old = fs::metadata(&table).unwrap().modified().unwrap();
+    let write = |text: &str, time| {
+        fs::write(&table, text).unwrap();
+        let file = fs::File::options().write(true).open(&table).unwrap();
+        file.set_modified(time).unwrap();
+    };
+    // Another time, another length, and no file.
+    write(
+        "id,x,y,z\na,nan,nan,nan\nc,1,2,3\n",
+        old + Duration::from_secs(1),
+    );
+    assert_eq!(shown(&scene, &Cancel::new()), of_scene);
+    write("id,x,y,z\nc,1,2,3\n", old);
+    assert_eq!(shown(&scene, &Cancel::new()), of_scene);
+    fs::remove_file(&table).unwrap();
+    assert_eq!(shown(&scene, &Cancel::new()), of_scene);
+
+    let files = Memory::new().with(&table, "id,x,y,z\nm,1,2,3\n");
+    let options = ReadOptions::new().files(files);
+    let scene = Scene::try_from(Document::from_path_with(&file, &options).unwrap()).unwrap();
+    assert_eq!(shown(&scene, &Cancel::new()), of_file("id m x 1 y 2 z 3"));
 }

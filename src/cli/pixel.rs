@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
     Camera, Color, Error, Hit, Ray, Scene, Shape, Size,
     material::{Corners, Interpolation},
+    parallel::Cancel,
     render::{Term, Working},
     scene::Origin,
     shape::FaceId,
@@ -77,7 +78,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         false => y,
     };
     let camera = scene.camera_for(size)?;
-    let explanation = Explanation::new(&scene, &camera, args.frame.number(), size, (x, y))?;
+    let (frame, never) = (args.frame.number(), Cancel::new());
+    let explanation = Explanation::new(&scene, &camera, frame, size, (x, y), &never)?;
     super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
@@ -238,6 +240,9 @@ struct HitTerms<'a> {
     /// The value that determines the color of the geometry.
     #[serde(skip_serializing_if = "Option::is_none")]
     value: Option<ValueTerms<'a>>,
+    /// The cells of the row of a table.
+    #[serde(flatten)]
+    columns: Columns,
     /// The number of the face, of a shape with several.
     #[serde(skip_serializing_if = "Option::is_none")]
     face: Option<u64>,
@@ -247,6 +252,58 @@ struct HitTerms<'a> {
     /// The colors or values of the corners of a mesh's triangle, if they determine the color.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<CornerTerms>,
+}
+
+/// The cells of the row of a table.
+#[derive(Serialize)]
+struct Columns {
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    columns: Vec<ColumnTerms>,
+    /// The number of columns that are not listed.
+    #[serde(skip_serializing_if = "is_zero")]
+    more_columns: usize,
+}
+
+#[derive(Serialize)]
+struct ColumnTerms {
+    name: String,
+    text: String,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+const fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+impl Columns {
+    fn new(scene: &Scene, id: usize, hit: &Hit<'_>, cancel: &Cancel) -> Self {
+        let cells = scene.row_cells_in_file(id, hit.geometry.shape(), cancel);
+        let columns = cells.shown.into_iter();
+        Self {
+            columns: columns
+                .map(|(name, text)| ColumnTerms { name, text })
+                .collect(),
+            more_columns: cells.more,
+        }
+    }
+}
+
+impl fmt::Display for Columns {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut between = "  columns      ";
+        for ColumnTerms { name, text } in &self.columns {
+            write!(out, "{between}{name} = {text}")?;
+            between = ", ";
+        }
+        match (self.columns.len(), self.more_columns) {
+            (0, _) => Ok(()),
+            (_, 0) => writeln!(out),
+            (_, more) => writeln!(out, ", and {more} more"),
+        }
+    }
 }
 
 /// How the color follows from the corners of a triangle.
@@ -308,6 +365,7 @@ impl<'a> Explanation<'a> {
         frame: Option<u32>,
         size: Size,
         (x, y): (u32, u32),
+        cancel: &Cancel,
     ) -> Result<Self, Error> {
         let (width, height) = (size.width(), size.height());
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
@@ -356,6 +414,7 @@ impl<'a> Explanation<'a> {
                 normal: hit.normal.into(),
                 front_face: hit.front_face,
                 value: ValueTerms::of_hit(scene, world.id_of(index, hit.face), Some(&hit)),
+                columns: Columns::new(scene, world.id_of(index, hit.face), &hit, cancel),
                 corners: hit.interpolation().as_ref().map(CornerTerms::new),
                 face: hit.face_of_shape(),
                 mesh_group: hit.mesh_group().map(|group| group.name.as_str()),
@@ -415,6 +474,7 @@ impl fmt::Display for Explanation<'_> {
                 writeln!(out, "  normal       {}", vector(hit.normal))?;
                 let side = if hit.front_face { "front" } else { "back" };
                 writeln!(out, "  seen from    the {side}")?;
+                write!(out, "{}", hit.columns)?;
                 if let Some(value) = &hit.value {
                     writeln!(out, "  color by     {value}")?;
                 }

@@ -6,16 +6,22 @@ use super::{Scene, options::RenderOptions, picture::Aovs};
 use crate::{
     diagnostic::error::Error,
     film::{Centers, Wanted, samples::Samples},
-    parallel::Pool,
+    parallel::{Cancel, Pool},
     render::visibility::{Seen, Tally},
     scene::{
         locate::range_of,
         origin::{InstancesOf, Origin, PartGeometries, TableRows},
         part::PartPlace,
         scales::ColorValues,
+        table::RowCells,
     },
-    tracer::colormap::scale::ColorScale,
+    tracer::{colormap::scale::ColorScale, shape::Shape},
 };
+
+/// The columns of the row of a table of spheres.
+const SPHERE: [&str; 4] = ["x", "y", "z", "radius"];
+/// Those of cylinders.
+const CYLINDER: [&str; 7] = ["x1", "y1", "z1", "x2", "y2", "z2", "radius"];
 
 impl Scene {
     /// Returns the position in the scene of a geometry, by its index in the world. Each row of a
@@ -80,6 +86,32 @@ impl Scene {
     /// point: see [`Hit::interpolation`](crate::Hit::interpolation).
     pub fn value(&self, index: usize) -> Option<(f64, &ColorScale)> {
         self.scales.of(index)
+    }
+
+    /// Returns the cells of a geometry that is a row of a table of spheres or cylinders, by its index in
+    /// the world and its shape: the numbers that give it its place, its size and its color by value. Empty for
+    /// any other geometry.
+    pub fn row_cells(&self, index: usize, shape: &Shape) -> RowCells {
+        let names: &[&str] = match shape {
+            _ if self.origin(index).row.is_none() => &[],
+            Shape::Sphere(_) => &SPHERE,
+            Shape::Cylinder(_) => &CYLINDER,
+            _ => &[],
+        };
+        let mut numbers = Vec::new();
+        shape.each_number(|number| numbers.push(number));
+        let value = self
+            .value(index)
+            .map(|(value, scale)| (&*scale.column, value));
+        RowCells::of_scene(names.iter().copied().zip(numbers).chain(value))
+    }
+
+    /// Returns the cells of all columns of a row, read again from its file; those of [`Scene::row_cells`] if
+    /// the file has changed, or cannot be read. Reading ends soon after `cancel` is cancelled.
+    pub fn row_cells_in_file(&self, index: usize, shape: &Shape, cancel: &Cancel) -> RowCells {
+        let found = self.origins.file_and_row(index);
+        let cells = found.and_then(|(file, row)| file.cells(row, cancel));
+        cells.unwrap_or_else(|| self.row_cells(index, shape))
     }
 
     /// Returns the position in the scene text of a geometry, by its index in the world.

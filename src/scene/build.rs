@@ -248,9 +248,13 @@ impl Builder<'_> {
     ) -> Result<BuiltContent, GeometryError> {
         let first = self.ids;
         let content = match (self.tables.take(*at), model) {
-            (Some(Content::Table(table)), model) => {
+            (Some(Content::Table(table, file)), model) => {
                 self.table(&model, &table, origin, placement)?;
-                SpanContent::Table(Arc::clone(&table.names().all), table.left_out().cloned())
+                SpanContent::Table {
+                    columns: Arc::clone(&table.names().all),
+                    left_out: table.left_out().cloned(),
+                    file,
+                }
             }
             (Some(Content::Part { part, .. }), _) => {
                 self.scales.add_part(origin, first, &part.places);

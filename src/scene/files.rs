@@ -4,10 +4,11 @@ use std::{
     collections::BTreeMap,
     fmt,
     fs::{self, File, Metadata},
-    io::{self, Cursor, Read},
+    io::{self, Cursor, Read, Seek, SeekFrom},
     ops::Bound,
     path::{Component, Path, PathBuf},
     sync::Arc,
+    time::SystemTime,
 };
 
 use crate::{
@@ -85,6 +86,24 @@ impl Content {
             Self::Bytes(bytes) => Ok(Some(bytes.get_ref().len() as u64)),
         }
     }
+
+    /// Returns the length and the time of a regular file.
+    pub(crate) fn stamp(&self) -> Option<Stamp> {
+        Some(Stamp {
+            length: self.length().ok()??,
+            time: match self {
+                Self::File(file) => Some(file.metadata().ok()?.modified().ok()?),
+                Self::Bytes(_) => None,
+            },
+        })
+    }
+}
+
+/// The length of a regular file and the time of its last change. Bytes in memory never change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stamp {
+    pub(crate) length: u64,
+    time: Option<SystemTime>,
 }
 
 fn length_of(about: &Metadata) -> io::Result<Option<u64>> {
@@ -99,6 +118,15 @@ impl Read for Content {
         match self {
             Self::File(file) => file.read(buffer),
             Self::Bytes(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+impl Seek for Content {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self {
+            Self::File(file) => file.seek(to),
+            Self::Bytes(bytes) => bytes.seek(to),
         }
     }
 }

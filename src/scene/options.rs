@@ -1,7 +1,7 @@
 //! Options for reading a scene.
 
 use std::{
-    io::{self, Read},
+    io::{self, Read, Seek, SeekFrom},
     path::{Component, Path, PathBuf},
     sync::Arc,
 };
@@ -251,6 +251,11 @@ impl ReadOptions {
         self.files.as_deref().unwrap_or(&Disk)
     }
 
+    /// The source of all files, for later.
+    pub(crate) fn shared_files(&self) -> Arc<dyn Files> {
+        self.files.clone().unwrap_or_else(|| Arc::new(Disk))
+    }
+
     /// Returns true if the text of a large scene is always kept.
     pub(crate) const fn keeps_text(&self) -> bool {
         !self.without_text
@@ -279,6 +284,19 @@ impl ReadOptions {
 pub(crate) struct UntilCancelled<R> {
     reader: R,
     cancel: Option<Cancel>,
+}
+
+impl<R> UntilCancelled<R> {
+    pub(crate) fn new(reader: R, cancel: &Cancel) -> Self {
+        let cancel = Some(cancel.clone());
+        Self { reader, cancel }
+    }
+}
+
+impl<R: Seek> Seek for UntilCancelled<R> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.reader.seek(to)
+    }
 }
 
 impl<R: Read> Read for UntilCancelled<R> {

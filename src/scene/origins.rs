@@ -7,6 +7,7 @@ use crate::scene::{
     names::Names,
     origin::{InstancesOf, Origin, PartGeometries, TableRows},
     part::Places,
+    reread::TableFile,
     table::left_out::LeftOut,
 };
 
@@ -31,8 +32,12 @@ struct Span {
 /// What a span holds.
 #[derive(Clone, Debug)]
 pub(crate) enum SpanContent {
-    /// The rows of a table with these columns, and those of its file that it does not have.
-    Table(Arc<[String]>, Option<Arc<LeftOut>>),
+    /// The rows of a table with these columns, those of its file that it does not have, and the file.
+    Table {
+        columns: Arc<[String]>,
+        left_out: Option<Arc<LeftOut>>,
+        file: Option<Arc<TableFile>>,
+    },
     /// The geometries of a part, with their places in its file.
     Part(Arc<Places>),
     /// The geometries of a group, with their places in it.
@@ -84,7 +89,7 @@ impl Origins {
     /// Each table.
     pub(crate) fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
         self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Table(columns, _) = placed.content else {
+            let SpanContent::Table { columns, .. } = placed.content else {
                 return None;
             };
             Some(TableRows {
@@ -176,7 +181,7 @@ impl Origins {
     pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
         self.spans.iter().filter_map(|span| {
             let (kind, list) = match &span.content {
-                SpanContent::Table(..) | SpanContent::Instances(..) => return None,
+                SpanContent::Table { .. } | SpanContent::Instances(..) => return None,
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
@@ -208,7 +213,9 @@ impl Origins {
         iter::successors(Some(self.find(index)), |found| match found.span {
             Some((span, index)) => match &span.content {
                 SpanContent::Group(list) => Some(list.find(index)),
-                SpanContent::Table(..) | SpanContent::Part(_) | SpanContent::Instances(..) => None,
+                SpanContent::Table { .. } | SpanContent::Part(_) | SpanContent::Instances(..) => {
+                    None
+                }
             },
             None => None,
         })
@@ -228,17 +235,28 @@ impl Origins {
         }
         if let Some((span, index)) = last.and_then(|found| found.span) {
             match &span.content {
-                SpanContent::Table(_, left_out) => {
-                    let row = left_out
-                        .as_ref()
-                        .map(|left_out| left_out.row_in_file(index));
-                    origin.row = Some(row.unwrap_or(index));
+                SpanContent::Table { left_out, .. } => {
+                    origin.row = Some(row_in_file(left_out.as_deref(), index));
                 }
                 SpanContent::Instances(..) => origin.instance = Some(index),
                 SpanContent::Part(_) | SpanContent::Group(_) => {}
             }
         }
         origin
+    }
+
+    /// Returns the file of a geometry of the world that is a row of a table, and the row in it, also of
+    /// one in a part.
+    pub(crate) fn file_and_row(&self, index: usize) -> Option<(&TableFile, usize)> {
+        let (span, index) = self.way(index).last()?.span?;
+        match &span.content {
+            SpanContent::Table { left_out, file, .. } => {
+                let row = row_in_file(left_out.as_deref(), index);
+                file.as_deref().map(|file| (file, row))
+            }
+            SpanContent::Part(part) => part.origins.file_and_row(index),
+            SpanContent::Group(_) | SpanContent::Instances(..) => None,
+        }
     }
 
     /// The name of a geometry by its index in the world.
@@ -262,7 +280,7 @@ impl Origins {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
             SpanContent::Part(part) => Some((part, index)),
-            SpanContent::Table(..) | SpanContent::Group(_) | SpanContent::Instances(..) => None,
+            SpanContent::Table { .. } | SpanContent::Group(_) | SpanContent::Instances(..) => None,
         }
     }
 
@@ -337,10 +355,22 @@ impl Origins {
     }
 }
 
+fn row_in_file(left_out: Option<&LeftOut>, row: usize) -> usize {
+    left_out.map_or(row, |left_out| left_out.row_in_file(row))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::scales::Scales;
+
+    fn empty_table() -> SpanContent {
+        SpanContent::Table {
+            columns: [].into(),
+            left_out: None,
+            file: None,
+        }
+    }
 
     fn spans(spans: Vec<Span>) -> Origins {
         Origins {
@@ -363,7 +393,7 @@ mod tests {
             first,
             count,
             geometry,
-            content: SpanContent::Table([].into(), None),
+            content: empty_table(),
         };
         // Two spheres, a table of three, one of none, a sphere, and a table of one.
         let origins = spans(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
@@ -438,7 +468,7 @@ mod tests {
             geometry,
             content,
         };
-        let table = || SpanContent::Table([].into(), None);
+        let table = empty_table;
         // A sphere, a group of a sphere, a table of two, an empty group and a group of a sphere, and
         // a sphere.
         let mut inmost = spans(Vec::new());

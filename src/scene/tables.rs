@@ -24,6 +24,7 @@ use crate::{
         part::{Part, PartLight},
         place::Place,
         problem::Problem,
+        reread::TableFile,
         table::{Cloud, Defaults, Format, ReadError, Request, Row, Table},
     },
     tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
@@ -40,7 +41,8 @@ pub(crate) struct Tables(BTreeMap<Ordinal, Content>);
 /// The geometries of a file that a scene names.
 #[derive(Clone, Debug)]
 pub(crate) enum Content {
-    Table(Box<Table>),
+    /// A table and its file.
+    Table(Box<Table>, Option<Arc<TableFile>>),
     Part {
         /// The part as it is in its file.
         read: Arc<Part>,
@@ -57,7 +59,7 @@ impl Content {
     /// The table, if it is one.
     const fn table(&self) -> Option<&Table> {
         match self {
-            Self::Table(table) => Some(table),
+            Self::Table(table, _) => Some(table),
             Self::Part { .. } | Self::Instances(_) => None,
         }
     }
@@ -65,7 +67,7 @@ impl Content {
     /// The part, if it is one.
     pub(crate) fn part(&self) -> Option<&Part> {
         match self {
-            Self::Table(_) | Self::Instances(_) => None,
+            Self::Table(..) | Self::Instances(_) => None,
             Self::Part { part, .. } => Some(part),
         }
     }
@@ -74,14 +76,14 @@ impl Content {
     const fn instances(&self) -> Option<&Instances> {
         match self {
             Self::Instances(instances) => Some(instances),
-            Self::Table(_) | Self::Part { .. } => None,
+            Self::Table(..) | Self::Part { .. } => None,
         }
     }
 
     /// The number of geometries.
     pub(crate) fn count(&self) -> usize {
         match self {
-            Self::Table(table) => table.rows(),
+            Self::Table(table, _) => table.rows(),
             Self::Part { part, .. } => part.count(),
             Self::Instances(instances) => instances.count(),
         }
@@ -111,8 +113,9 @@ pub(crate) fn read(
             let problems = problems.get_mut(before..).unwrap_or_default();
             in_file::place(problems, named.file, || options.path_of(named.file), files);
         };
-        let table = match open(named, model.materials.as_ref(), &place, files, options) {
-            Ok((table, format)) => {
+        let (table, file) = match open(named, model.materials.as_ref(), &place, files, options) {
+            Ok((table, file)) => {
+                let format = table.format();
                 place.check(named, &table, format, &mut problems);
                 problems.extend(place.not_taken(&table));
                 locate(&mut problems);
@@ -121,7 +124,7 @@ pub(crate) fn read(
                     continue;
                 }
                 place.check_defaults(named, &table, format, &mut problems);
-                table
+                (table, file)
             }
             Err(problem) => {
                 problems.push(problem);
@@ -152,7 +155,7 @@ pub(crate) fn read(
                 let columns = Some(Arc::clone(&table.names().all));
                 Content::Instances(Instances::new(instances, &[], columns, rows).into())
             }
-            _ => Content::Table(Box::new(table)),
+            _ => Content::Table(Box::new(table), file.map(Arc::new)),
         };
         tables.insert(at, content);
     }
@@ -165,9 +168,10 @@ fn open(
     place: &Place,
     files: &Folder<'_>,
     options: &ReadOptions,
-) -> Result<(Table, Format), Problem> {
+) -> Result<(Table, Option<TableFile>), Problem> {
     let format = place.format(named)?;
-    let (start, file, length) = place.open_data(files, Code::InvalidTable)?;
+    let path = files.find(named.file);
+    let (start, content, length) = place.open_data(files, Code::InvalidTable)?;
     if format == Format::Ply
         && let Some(Foreign { what, help }) = Foreign::of_lines(&start)
     {
@@ -182,15 +186,17 @@ fn open(
         columns: named.columns.or(columns),
         array: named.array,
     };
-    let file = options.until_cancelled(file);
-    let read = Table::read(file, length, format, &request, |length| {
+    let file = path.ok();
+    let file = file.and_then(|path| TableFile::new(path, format, &request, options));
+    let content = options.until_cancelled(content);
+    let read = Table::read(content, length, format, &request, |length| {
         options.pool(length)
     });
     let table = read.map_err(|error| match error {
         ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),
         ReadError::Invalid(fault) => place.fault(Code::InvalidTable, &fault, 1),
     })?;
-    Ok((table, format))
+    Ok((table, file))
 }
 
 /// Returns the values of rows that have none: the color is that of the material, if it has one.
@@ -267,7 +273,7 @@ impl Tables {
             Content::Part {
                 part, lights: true, ..
             } => part.lights.as_deref(),
-            Content::Part { .. } | Content::Table(_) | Content::Instances(_) => None,
+            Content::Part { .. } | Content::Table(..) | Content::Instances(_) => None,
         })
     }
 
@@ -377,7 +383,7 @@ impl Tables {
     pub(crate) fn set_defaults(&mut self, model: &Model) {
         for (at, content) in &mut self.0 {
             let named = model.geometry(*at).and_then(GeometryModel::table);
-            if let Content::Table(table) = content
+            if let Content::Table(table, _) = content
                 && let Some(named) = named
             {
                 let format = table.format();

@@ -14,7 +14,7 @@ use crate::{
     render::layers::Layer,
     scene::origin::Origin,
     session::{camera::Motion, outline::outline, refused},
-    tracer::{hit::Hit, ray::Ray, shape::Shape, tone::Tone},
+    tracer::{hit::Hit, ray::Ray, tone::Tone},
 };
 
 /// The parts of a scene that a picture shows.
@@ -57,11 +57,6 @@ pub struct Seen<'a> {
     /// The hit of the ray through the center of the pixel.
     pub hit: Hit<'a>,
 }
-
-/// The columns of the row of a table of spheres.
-const SPHERE: [&str; 4] = ["x", "y", "z", "radius"];
-/// Those of cylinders.
-const CYLINDER: [&str; 7] = ["x1", "y1", "z1", "x2", "y2", "z2", "radius"];
 
 impl View {
     /// Returns the scene as this view shows it.
@@ -234,24 +229,6 @@ impl Scene {
                 .ray_for(width, height, f64::from(x), f64::from(y))
         };
         (x < width).then(ray)
-    }
-
-    /// Returns the names and values of the columns that give the row of a table its place, its size and its
-    /// color by value; empty for any other geometry.
-    pub fn columns_of(&self, seen: &Seen<'_>) -> Vec<(&str, f64)> {
-        let shape = seen.hit.geometry.shape();
-        let names: &[&str] = match shape {
-            _ if seen.origin.row.is_none() => &[],
-            Shape::Sphere(_) => &SPHERE,
-            Shape::Cylinder(_) => &CYLINDER,
-            _ => &[],
-        };
-        let mut numbers = Vec::new();
-        shape.each_number(|number| numbers.push(number));
-        let value = self
-            .value(seen.id)
-            .map(|(value, scale)| (&*scale.column, value));
-        names.iter().copied().zip(numbers).chain(value).collect()
     }
 
     /// Returns the layers that can be shown as a picture.

@@ -26,6 +26,7 @@ mod names;
 mod options;
 mod parts;
 mod rewriting;
+mod row_cells;
 mod scene_faults;
 mod setting;
 mod shapes;

@@ -107,7 +107,8 @@ fn a_pixel_is_explained(browser: &Browser) {
 /// Opens the page of a scene with three spheres in a table, from left to right.
 fn with_table(browser: &Browser) -> Page<'_> {
     let folder = tempfile::TempDir::new().unwrap();
-    let rows = "x,y,z,charge\n-1.5,0,0,3.5\n0,0.25,0,-1\n1.5,0,0,2\n";
+    let rows =
+        "x,y,z,charge,label\n-1.5,0,0,3.5,left\n0,0.25,0,-1.0,\"=\"\"mid\"\"\"\n1.5,0,0,2,\n";
     std::fs::write(folder.path().join("atoms.csv"), rows).unwrap();
     let scene = folder.path().join("scene.ron");
     let text = r##"(
@@ -127,9 +128,10 @@ fn a_row_of_a_table_is_marked_alone(browser: &Browser) {
     let page = with_table(browser);
     page.click_at(page.at((32, 22)));
     page.wait_for("the line", || page.cursor_line() == 5);
-    page.wait("readout.textContent.includes('row 1')");
+    page.wait("readout.textContent.includes('row 1') && readout.textContent.includes('label')");
     let text = page.text("readout.textContent");
-    let columns = "x 0, y 0.25, z 0, radius 0.5, charge -1";
+    // All columns, as they are in the file.
+    let columns = "x 0, y 0.25, z 0, charge -1.0, label =\"mid\"";
     assert!(text.contains(columns), "{text}");
     page.wait("!outline.hidden && outline.dataset.geometry === 'geometries[0] row 1'");
     let edges = |from: u32, to: u32| {
@@ -139,6 +141,11 @@ fn a_row_of_a_table_is_marked_alone(browser: &Browser) {
     };
     assert!(edges(22, 42) > 8);
     assert_eq!((edges(4, 20), edges(44, 60)), (0, 0));
+    // Under the mouse, a row has the numbers of the scene.
+    page.point(page.at((44, 24)));
+    page.wait("readout.textContent.includes('row 2')");
+    let text = page.text("readout.textContent");
+    assert!(text.contains("z 0, radius 0.5, charge 2"), "{text}");
     // The cursor stands for all rows.
     page.cursor_before("radius");
     page.wait("!outline.hidden && outline.dataset.geometry === 'geometries[0]'");

@@ -15,14 +15,14 @@ use strahl::{
     film::{Crop, Samples},
     render::Layer,
     scene::Origin,
-    session::{Motion, Quality, View},
+    session::{Motion, Quality, Seen, View},
 };
 
 use super::{
     desk::Desk,
     drawings::Drawings,
     places::{Place, Span},
-    routes::{App, Refusal, apart, refuse},
+    routes::{App, Refusal, apart, apart_until_dropped, refuse},
     texts::{Answer, NewEdits, checked},
 };
 use crate::cli::pixel::Explanation;
@@ -45,6 +45,8 @@ pub(super) struct Asked {
     y: u32,
     line: usize,
     column: usize,
+    /// True for all columns of the row of a table.
+    whole: bool,
     /// The geometry of an outline, in place of the one at the line and column.
     geometry: Option<String>,
     pub(super) reference: String,
@@ -193,7 +195,10 @@ struct SeenGeometry {
     depth: f64,
     position: [f64; 3],
     normal: [f64; 3],
-    columns: Vec<(String, f64)>,
+    columns: Vec<(String, String)>,
+    more_columns: usize,
+    /// True for the columns of the file.
+    is_from_file: bool,
     #[serde(flatten)]
     span: Option<Span>,
 }
@@ -202,7 +207,7 @@ pub(super) async fn pixel(
     State(App { desk, .. }): State<App>,
     Query(asked): Query<Asked>,
 ) -> Answer<Pixel> {
-    apart(move || {
+    apart_until_dropped(move |cancel| {
         let (x, y) = (asked.x, asked.y);
         let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
         let crop = Crop::new(x, y, 1, 1).map_err(|error| refuse::impossible(error.to_string()))?;
@@ -211,7 +216,15 @@ pub(super) async fn pixel(
             .session()
             .checked()
             .filter(|checked| !checked.is_broken());
-        let geometry = scene.seen_at(x, y).map(|seen| SeenGeometry {
+        let cells_of = |seen: &Seen<'_>| {
+            let shape = seen.hit.geometry.shape();
+            match asked.whole {
+                true => scene.row_cells_in_file(seen.id, shape, cancel),
+                false => scene.row_cells(seen.id, shape),
+            }
+        };
+        let geometry = scene.seen_at(x, y).map(|seen| (cells_of(&seen), seen));
+        let geometry = geometry.map(|(cells, seen)| SeenGeometry {
             path: seen.origin.path().to_string(),
             row: seen.origin.row,
             name: scene.name(seen.id).map(str::to_owned),
@@ -219,11 +232,9 @@ pub(super) async fn pixel(
             depth: seen.hit.t,
             position: seen.hit.point.into(),
             normal: seen.hit.normal.into(),
-            columns: scene
-                .columns_of(&seen)
-                .into_iter()
-                .map(|(name, value)| (name.to_owned(), value))
-                .collect(),
+            columns: cells.shown,
+            more_columns: cells.more,
+            is_from_file: cells.is_from_file,
             span: checked.and_then(|checked| {
                 let range = scene.text_range(seen.id)?;
                 Some(Span::new(&checked.document().lines(), &range))
@@ -243,7 +254,7 @@ pub(super) async fn why(
     State(App { desk, .. }): State<App>,
     Query(asked): Query<Asked>,
 ) -> Result<String, Refusal> {
-    apart(move || {
+    apart_until_dropped(move |cancel| {
         let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
         let size = scene.size();
         let y = size.height().checked_sub(asked.y.saturating_add(1));
@@ -251,7 +262,7 @@ pub(super) async fn why(
         let y = y.ok_or_else(|| refuse::impossible("the pixel is outside the picture"))?;
         let frame = scene.animation().map(|_| asked.frame);
         let camera = scene.camera();
-        Ok(Explanation::new(&scene, camera, frame, size, (asked.x, y))?.to_string())
+        Ok(Explanation::new(&scene, camera, frame, size, (asked.x, y), cancel)?.to_string())
     })
     .await
 }

@@ -14,6 +14,7 @@ use axum::{
     routing::{get, post},
 };
 use serde_json::json;
+use strahl::parallel::Cancel;
 use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
 
 use super::{
@@ -162,6 +163,21 @@ pub(super) mod refuse {
     pub(in super::super) fn unwritable(message: impl Into<String>) -> Refusal {
         with(StatusCode::INTERNAL_SERVER_ERROR, message)
     }
+}
+
+/// Runs work that takes long, and is cancelled once nobody waits for it.
+pub(super) async fn apart_until_dropped<T: Send + 'static>(
+    work: impl FnOnce(&Cancel) -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    struct Waiting(Cancel);
+    impl Drop for Waiting {
+        fn drop(&mut self) {
+            self.0.cancel();
+        }
+    }
+    let waiting = Waiting(Cancel::new());
+    let cancel = waiting.0.clone();
+    apart(move || work(&cancel)).await
 }
 
 /// Runs work that takes long on a thread of its own.

@@ -15,7 +15,7 @@ use crate::{
     scene::{
         format::{color::ColorModel, geometry::table::RowKind},
         table::{
-            Blamed, Fault, ReadError, Request, Table,
+            Blamed, Fault, ReadError, Request, RowCells, Table,
             bytes::{LONGEST_LINE, check_lines, read_bytes},
             csv::{
                 blocks::Blocks,
@@ -47,16 +47,8 @@ pub(super) fn read(
     pool: impl FnOnce(usize) -> Pool,
 ) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    let mut text = read_bytes(&mut reader, length.min(HEAD))?;
-    let (header, opening, body) = loop {
-        if let Some(found) = opening_of(&text, text.len() == length, request)? {
-            break found;
-        }
-        // A line that does not end is refused before the rest of the file is read.
-        let piece = text.len().max(LONGEST_LINE).min(length - text.len());
-        text.append(&mut read_bytes(&mut reader, piece)?);
-        check_lines(&text, 0)?;
-    };
+    let (mut text, (names, opening, body)) = read_opening(&mut reader, length, request)?;
+    let header = Header::new(names, request)?;
     let Opening {
         separators: [_, separator],
         is_mac,
@@ -90,14 +82,54 @@ pub(super) fn read(
     Ok(rows.into_table(header.selection.has(), names, &request.defaults))
 }
 
+/// Reads the cells of a row, with the names of their columns.
+pub(super) fn row_cells(
+    mut reader: impl Read,
+    length: u64,
+    request: &Request,
+    row: usize,
+) -> Result<RowCells, ReadError> {
+    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
+    let (mut text, (names, opening, body)) = read_opening(&mut reader, length, request)?;
+    let records = Cursor::new(text.split_off(body.min(text.len()))).chain(reader);
+    let [_, separator] = opening.separators;
+    let records = Commas::new(records, separator, opening.is_mac);
+    // As in `read_rest`, the end of a line comes first.
+    let mut reader = reader_of(b"\n".chain(records), false);
+    let mut record = ByteRecord::new();
+    for _ in 0..=row {
+        reader.read_byte_record(&mut record).map_err(refused)?;
+    }
+    let cells = record.iter().map(String::from_utf8_lossy);
+    Ok(RowCells::new(names.len(), names.iter().zip(cells)))
+}
+
+/// Reads the start of a text up to its first records, and some of these.
+fn read_opening(
+    reader: &mut impl Read,
+    length: usize,
+    request: &Request,
+) -> Result<(Vec<u8>, Found), ReadError> {
+    let mut text = read_bytes(&mut *reader, length.min(HEAD))?;
+    loop {
+        if let Some(found) = opening_of(&text, text.len() == length, request)? {
+            return Ok((text, found));
+        }
+        // A line that does not end is refused before the rest of the file is read.
+        let piece = text.len().max(LONGEST_LINE).min(length - text.len());
+        text.append(&mut read_bytes(&mut *reader, piece)?);
+        check_lines(&text, 0)?;
+    }
+}
+
 fn line_ends(text: &[u8]) -> usize {
     text.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// The header of a text, what precedes its records, and their start.
-type Found = (Header, Opening, usize);
+/// The names of the columns of a text, what precedes its records, and their start.
+type Found = (Vec<String>, Opening, usize);
 
-/// Returns the header at the start of a text; `None` if more of the text is needed.
+/// Returns what is at the start of a text; `None` if more of the text is needed.
 fn opening_of(text: &[u8], is_all: bool, request: &Request) -> Result<Option<Found>, ReadError> {
     let Some(opening) = Opening::of(text, is_all, request.columns.is_some()) else {
         return Ok(None);
@@ -110,7 +142,7 @@ fn opening_of(text: &[u8], is_all: bool, request: &Request) -> Result<Option<Fou
     } = opening;
     if let Some(names) = request.columns {
         let names = names.iter().map(|name| name.clone().into()).collect();
-        return Ok(Some((Header::new(names, request)?, opening, records)));
+        return Ok(Some((names, opening, records)));
     }
     let head = text.get(start..).unwrap_or_default();
     let line = text.get(start..header.unwrap_or(start)).unwrap_or_default();
@@ -142,8 +174,7 @@ fn opening_of(text: &[u8], is_all: bool, request: &Request) -> Result<Option<Fou
             (names, records)
         }
     };
-    let names = usual(names, request);
-    Ok(Some((Header::new(names, request)?, opening, body)))
+    Ok(Some((usual(names, request), opening, body)))
 }
 
 /// Returns an offset behind the second of the two bytes of a line end, if it is between them.
@@ -167,7 +198,7 @@ fn usual(names: Vec<String>, request: &Request) -> Vec<String> {
 }
 
 /// Creates the reader of a text that starts with a header or with records.
-fn reader_of(text: &[u8], has_headers: bool) -> csv::Reader<&[u8]> {
+fn reader_of<R: Read>(text: R, has_headers: bool) -> csv::Reader<R> {
     ReaderBuilder::new()
         .has_headers(has_headers)
         .flexible(true)

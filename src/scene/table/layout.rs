@@ -32,6 +32,17 @@ pub(crate) enum Scalar {
     Bool,
 }
 
+/// Decodes a number at the start of some bytes.
+macro_rules! decoded {
+    ($type:ty, $bytes:expr, $endian:expr) => {{
+        let bytes = *$bytes.first_chunk()?;
+        match $endian {
+            Endian::Little => <$type>::from_le_bytes(bytes),
+            Endian::Big => <$type>::from_be_bytes(bytes),
+        }
+    }};
+}
+
 impl Scalar {
     pub(crate) const fn size(self) -> usize {
         match self {
@@ -51,31 +62,32 @@ impl Scalar {
     /// integers of 64 bits beyond 2^53, which are rounded to the nearest.
     #[inline(always)]
     pub(crate) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
-        macro_rules! number {
-            ($type:ty) => {
-                number!($type, f64::from)
-            };
-            ($type:ty, $widen:expr) => {{
-                let bytes = *bytes.first_chunk()?;
-                $widen(match endian {
-                    Endian::Little => <$type>::from_le_bytes(bytes),
-                    Endian::Big => <$type>::from_be_bytes(bytes),
-                })
-            }};
-        }
         Some(match self {
-            Self::I8 => number!(i8),
-            Self::U8 => number!(u8),
-            Self::I16 => number!(i16),
-            Self::U16 => number!(u16),
-            Self::I32 => number!(i32),
-            Self::U32 => number!(u32),
-            Self::I64 => number!(i64, |number| number as f64),
-            Self::U64 => number!(u64, |number| number as f64),
-            Self::F16 => number!(f16),
-            Self::F32 => number!(f32),
-            Self::F64 => number!(f64),
+            Self::I8 => f64::from(decoded!(i8, bytes, endian)),
+            Self::U8 => f64::from(decoded!(u8, bytes, endian)),
+            Self::I16 => f64::from(decoded!(i16, bytes, endian)),
+            Self::U16 => f64::from(decoded!(u16, bytes, endian)),
+            Self::I32 => f64::from(decoded!(i32, bytes, endian)),
+            Self::U32 => f64::from(decoded!(u32, bytes, endian)),
+            Self::I64 => decoded!(i64, bytes, endian) as f64,
+            Self::U64 => decoded!(u64, bytes, endian) as f64,
+            Self::F16 => f64::from(decoded!(f16, bytes, endian)),
+            Self::F32 => f64::from(decoded!(f32, bytes, endian)),
+            Self::F64 => decoded!(f64, bytes, endian),
             Self::Bool => f64::from(*bytes.first()? != 0),
+        })
+    }
+
+    /// Returns the number at the start of `bytes` as text, with the digits of its own type.
+    pub(super) fn text(self, bytes: &[u8], endian: Endian) -> Option<String> {
+        Some(match self {
+            Self::I64 => decoded!(i64, bytes, endian).to_string(),
+            Self::U64 => decoded!(u64, bytes, endian).to_string(),
+            Self::F16 => format!("{:?}", decoded!(f16, bytes, endian)),
+            Self::F32 => format!("{:?}", decoded!(f32, bytes, endian)),
+            Self::F64 => format!("{:?}", decoded!(f64, bytes, endian)),
+            Self::Bool => (*bytes.first()? != 0).to_string(),
+            _ => self.number(bytes, endian)?.to_string(),
         })
     }
 }

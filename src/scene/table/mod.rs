@@ -18,6 +18,7 @@ pub(crate) mod left_out;
 mod npy;
 mod npz;
 pub(crate) mod ply;
+pub(crate) mod row_cells;
 mod rows;
 mod select;
 #[cfg(test)]
@@ -33,6 +34,7 @@ pub(crate) use cloud::Cloud;
 pub(crate) use fault::{At, BadRows, Blamed, Fault, Part, ReadError, Spot, most_listed};
 pub(crate) use format::Format;
 pub(crate) use layout::Row;
+pub use row_cells::RowCells;
 pub(crate) use select::Names;
 pub(crate) use values::Values;
 

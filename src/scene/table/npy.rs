@@ -3,13 +3,14 @@
 //! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0. The columns are those
 //! of an array with two dimensions, or the fields of a structured array.
 
-use std::io::Read;
+use std::io::{self, Read, Seek};
 
 use crate::{
     scene::table::{
-        Blamed, Fault, Names, ReadError, Request, Table,
+        Blamed, Fault, Names, ReadError, Request, RowCells, Table,
         bytes::{Reading, read_bytes},
         layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
+        row_cells::MOST_CELLS,
         select::{Known, Selection, columns, coordinates},
     },
     text::{
@@ -20,6 +21,9 @@ use crate::{
 
 /// The start of every file.
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
+
+/// The number of bytes of a text that are read as a cell.
+const LONGEST_TEXT: usize = 256;
 
 /// The maximum length of a header; numpy itself stops at 10,000.
 const LONGEST_HEADER: usize = 1 << 16;
@@ -41,6 +45,24 @@ pub(super) fn read(
         Fault::new(message).help("a file holds one array; `numpy.savez` writes several")
     });
     Ok(Table { behind, ..table })
+}
+
+/// Reads the cells of a row, with the names of their columns.
+pub(super) fn row_cells(
+    mut reader: impl Read + Seek,
+    length: u64,
+    request: &Request,
+    row: usize,
+) -> Result<RowCells, ReadError> {
+    let (header, _) = Header::read(&mut reader, length)?;
+    let array = header.rows_of_columns(request)?;
+    let texts = array.texts(row, &mut reader, |reader, count| {
+        let count = i64::try_from(count).map_err(io::Error::other)?;
+        reader.seek_relative(count)
+    });
+    let texts = texts?;
+    let names = array.cells.iter().map(|cell| &cell.name);
+    Ok(RowCells::new(array.cells.len(), names.zip(texts)))
 }
 
 /// The contents of a header.
@@ -247,6 +269,27 @@ impl Header {
 }
 
 impl Array {
+    /// Reads the first cells of a row as text; `skip` skips bytes of the elements.
+    pub(super) fn texts<R: Read>(
+        &self,
+        row: usize,
+        reader: &mut R,
+        mut skip: impl FnMut(&mut R, u64) -> io::Result<()>,
+    ) -> Result<Vec<String>, ReadError> {
+        let mut texts = Vec::new();
+        let mut at = 0;
+        // The cells of a row are in the order of their places.
+        for cell in self.cells.iter().take(MOST_CELLS) {
+            let start = cell.start.saturating_add(row.saturating_mul(cell.step));
+            let count = start.saturating_sub(at) as u64;
+            skip(reader, count)?;
+            let size = size_of(&cell.descr).unwrap_or_default().min(LONGEST_TEXT);
+            texts.push(text_of(&cell.descr, &read_bytes(&mut *reader, size)?));
+            at = start + size;
+        }
+        Ok(texts)
+    }
+
     /// Returns how many of `found` bytes are behind the elements.
     pub(super) fn bytes_behind(&self, found: u64) -> Result<u64, Fault> {
         let needed = self.bytes as u64;
@@ -513,6 +556,27 @@ fn scalar(descr: &str) -> Option<(Scalar, Endian)> {
         _ => return None,
     };
     Some((scalar, endian))
+}
+
+/// Returns an element as text; of one that is neither a number nor text, its type.
+fn text_of(descr: &str, bytes: &[u8]) -> String {
+    if let Some((scalar, endian)) = scalar(descr) {
+        return scalar.text(bytes, endian).unwrap_or_default();
+    }
+    let text: String = match descr.as_bytes() {
+        [_, b'S', ..] => bytes.iter().map(|byte| char::from(*byte)).collect(),
+        [order, b'U', ..] => {
+            let letters = bytes.as_chunks().0.iter().map(|bytes| match order {
+                b'>' => u32::from_be_bytes(*bytes),
+                _ => u32::from_le_bytes(*bytes),
+            });
+            letters
+                .map(|letter| char::from_u32(letter).unwrap_or(char::REPLACEMENT_CHARACTER))
+                .collect()
+        }
+        _ => return format!("({descr})"),
+    };
+    text.trim_end_matches('\0').to_owned()
 }
 
 /// Returns the size of any element in bytes; `None` for Python objects and unknown types.

@@ -9,11 +9,12 @@ use zip::{ZipArchive, result::ZipError};
 
 use crate::{
     scene::table::{
-        Blamed, Fault, ReadError, Request, Table,
+        Blamed, Fault, ReadError, Request, RowCells, Table,
         bytes::{Bytes, read_bytes},
         check::Check,
         layout::{Column, Layout},
         npy::{self, Array, Cell, Header},
+        row_cells::MOST_CELLS,
         select::{columns, coordinates},
     },
     text::{
@@ -38,13 +39,62 @@ struct Entry<'a> {
 }
 
 pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<Table, ReadError> {
+    let file = read_all(reader, length)?;
+    let (mut archive, headers) = members_of(&file)?;
+    let (mut entries, rows) = entries(&headers, request)?;
+    // Arrays of another length are data of another kind, unless they are meant to be read.
+    let columns = columns(request.kind());
+    let is_meant = |name: &str| columns.contains(&Some(name)) || request.value == Some(name);
+    entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
+    let most = LEAST.saturating_add(MOST_RATIO.saturating_mul(length));
+    load(&mut archive, (rows, most), &entries, request)
+}
+
+/// Reads the cells of a row, with the names of their columns.
+pub(super) fn row_cells(
+    reader: impl Read,
+    length: u64,
+    request: &Request,
+    row: usize,
+) -> Result<RowCells, ReadError> {
+    let file = read_all(reader, length)?;
+    let (mut archive, headers) = members_of(&file)?;
+    let (mut entries, rows) = entries(&headers, request)?;
+    entries.retain(|entry| entry.array.rows == rows);
+    let count = entries.iter().map(|entry| entry.array.cells.len()).sum();
+    let mut cells = Vec::new();
+    for Entry { index, name, array } in &entries {
+        if cells.len() >= MOST_CELLS {
+            break;
+        }
+        let (_, _, mut elements) = open(&mut archive, *index, name)?;
+        let texts = array.texts(row, &mut elements, |elements, count| {
+            // An array that the scene does not need may unpack to anything.
+            match count > LEAST {
+                true => Err(io::ErrorKind::FileTooLarge.into()),
+                false => io::copy(&mut elements.take(count), &mut io::sink()).map(drop),
+            }
+        })?;
+        cells.extend(array.cells.iter().map(|cell| &*cell.name).zip(texts));
+    }
+    Ok(RowCells::new(count, cells.into_iter()))
+}
+
+fn read_all(reader: impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    let file = read_bytes(reader, length)?;
-    let mut archive = ZipArchive::new(Cursor::new(&*file)).map_err(|error| {
+    read_bytes(reader, length)
+}
+
+/// The index of an array in the archive, its name and its header.
+type Member = (usize, String, Header);
+
+/// Opens an archive and reads the headers of its arrays.
+fn members_of(file: &[u8]) -> Result<(Archive<'_>, Vec<Member>), ReadError> {
+    let mut archive = ZipArchive::new(Cursor::new(file)).map_err(|error| {
         let fault = Fault::new(format!("not a zip file of arrays: {error}"));
         fault.help("`numpy.savez` writes one")
     })?;
-    if let Some(name) = members::repeated(&file, archive.central_directory_start()) {
+    if let Some(name) = members::repeated(file, archive.central_directory_start()) {
         let fault = Fault::new(format!("several arrays have the name {}", quote(&name)));
         return Err(fault.help("write the file again, each array once").into());
     }
@@ -57,7 +107,12 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
             headers.push((index, name, header));
         }
     }
-    let main = main(&headers, request)?;
+    Ok((archive, headers))
+}
+
+/// Returns the arrays that have rows or are columns, and the number of rows.
+fn entries<'a>(headers: &'a [Member], request: &Request) -> Result<(Vec<Entry<'a>>, usize), Fault> {
+    let main = main(headers, request)?;
     if main.is_none() {
         request.refuse_columns("the arrays have names")?;
     }
@@ -76,16 +131,11 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
     }
     let main = main.and_then(|place| headers.get(place));
     let rows = rows(&entries, main, request)?;
-    // Arrays of another length are data of another kind, unless they are meant to be read.
-    let columns = columns(request.kind());
-    let is_meant = |name: &str| columns.contains(&Some(name)) || request.value == Some(name);
-    entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
-    let most = LEAST.saturating_add(MOST_RATIO.saturating_mul(length as u64));
-    load(&mut archive, (rows, most), &entries, request)
+    Ok((entries, rows))
 }
 
 /// Returns the place of the array with rows of columns.
-fn main(headers: &[(usize, String, Header)], request: &Request) -> Result<Option<usize>, Fault> {
+fn main(headers: &[Member], request: &Request) -> Result<Option<usize>, Fault> {
     let mut candidates = headers
         .iter()
         .enumerate()
@@ -124,11 +174,7 @@ fn main(headers: &[(usize, String, Header)], request: &Request) -> Result<Option
 }
 
 /// Returns the number of rows: that of the array with columns, or that of the first coordinate.
-fn rows(
-    entries: &[Entry],
-    main: Option<&(usize, String, Header)>,
-    request: &Request,
-) -> Result<usize, Fault> {
+fn rows(entries: &[Entry], main: Option<&Member>, request: &Request) -> Result<usize, Fault> {
     let columns = columns(request.kind());
     let coordinates: Vec<_> = coordinates(&columns).collect();
     let first = coordinates.first().copied().unwrap_or_default();

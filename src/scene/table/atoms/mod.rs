@@ -5,7 +5,10 @@ mod names;
 mod pdb;
 mod xyz;
 
-pub(super) use self::{pdb::read as read_pdb, xyz::read as read_xyz};
+pub(super) use self::{
+    pdb::{read as read_pdb, row_cells as pdb_row_cells},
+    xyz::{read as read_xyz, row_cells as xyz_row_cells},
+};
 
 use std::io::{self, Read};
 

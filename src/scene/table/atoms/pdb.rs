@@ -7,7 +7,9 @@ use std::{io::Read, ops::Range};
 
 use super::{Atoms, Column, Own, lines, names, text};
 use crate::{
-    scene::table::{At, Fault, Part, ReadError, Request, Table, fault::Wrong, rows::Rows},
+    scene::table::{
+        At, Fault, Part, ReadError, Request, RowCells, Table, fault::Wrong, rows::Rows,
+    },
     text::nearest::quote,
 };
 
@@ -95,6 +97,28 @@ pub(in super::super) fn read(
         return Err(Fault::new(message).into());
     }
     Ok(atoms.into_table())
+}
+
+/// Reads the cells of an atom, with the names of their columns.
+pub(in super::super) fn row_cells(
+    reader: impl Read,
+    length: u64,
+    row: usize,
+) -> Result<RowCells, ReadError> {
+    let text = text(reader, length)?;
+    let mut atoms = lines(&text).filter(|(_, line)| Record::of(line) == Record::Atom);
+    let (_, line) = atoms.nth(row).unwrap_or_default();
+    let texts = [
+        ("name", NAME),
+        ("residue name", RESIDUE),
+        ("element", ELEMENT),
+    ];
+    let mut columns: Vec<_> = texts.into_iter().chain(CENTER).chain(MORE).collect();
+    columns.sort_by_key(|(_, range)| range.start);
+    let cells = columns
+        .iter()
+        .map(|(name, range)| (*name, number_at(line, range)));
+    Ok(RowCells::new(columns.len(), cells))
 }
 
 impl<'a> Record<'a> {

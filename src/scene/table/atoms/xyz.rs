@@ -8,7 +8,7 @@ use std::{borrow::Cow, collections::HashSet, io::Read};
 
 use super::{Atoms, COLUMNS, Column, Own, lines, text};
 use crate::{
-    scene::table::{At, Fault, Part, ReadError, Request, Table, fault::Wrong},
+    scene::table::{At, Fault, Part, ReadError, Request, RowCells, Table, fault::Wrong},
     text::nearest::quote,
 };
 
@@ -29,19 +29,7 @@ pub(in super::super) fn read(
             .fault(message)
             .help("the first lines are the number of atoms and a comment")
     })?;
-    let (_, comment) = lines.next().unwrap_or_default();
-    let mut lines = lines.peekable();
-    let first: Vec<_> = lines
-        .peek()
-        .map_or_else(Vec::new, |(_, line)| words(line).collect());
-    let in_row = first.len();
-    let is_point = in_row == 3 && first.iter().all(|word| word.parse::<f64>().is_ok());
-    let comment = String::from_utf8_lossy(comment);
-    let layout = match properties(&comment) {
-        Some(properties) => Layout::named(&properties)?,
-        None if is_point => return Err(point().into()),
-        None => Layout::usual(in_row, &comment),
-    };
+    let layout = Layout::of(&mut lines)?;
     let own = Own {
         radius: layout.radius.is_some(),
         color: layout.color.is_some(),
@@ -120,6 +108,20 @@ pub(in super::super) fn read(
     Ok(atoms.into_table())
 }
 
+/// Reads the cells of an atom, with the names of their columns.
+pub(in super::super) fn row_cells(
+    reader: impl Read,
+    length: u64,
+    row: usize,
+) -> Result<RowCells, ReadError> {
+    let text = text(reader, length)?;
+    let mut lines = lines(&text).skip(1);
+    let layout = Layout::of(&mut lines)?;
+    let (_, line) = lines.nth(row).unwrap_or_default();
+    let count = layout.properties.iter().map(|(_, count)| count).sum();
+    Ok(RowCells::new(count, layout.names().zip(words(line))))
+}
+
 #[cold]
 fn point() -> Fault {
     let fault = At::line(3).fault("three numbers, expected an element and three numbers");
@@ -129,6 +131,9 @@ fn point() -> Fault {
 /// The properties that replace the radii and colors of the elements.
 const RADIUS: &str = "radius";
 const COLOR: &str = "color";
+
+/// The property with the coordinates.
+const POSITION: &str = "pos";
 
 /// The place of the kind of an atom among the words of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,6 +152,8 @@ struct Layout {
     radius: Option<usize>,
     /// The place of the first channel.
     color: Option<usize>,
+    /// The names of all properties, with the numbers of their words.
+    properties: Vec<(String, usize)>,
     /// The names and places of further numbers.
     more: Vec<(String, usize)>,
     /// The least number of words.
@@ -159,22 +166,52 @@ fn wrong(what: &str) -> Fault {
 }
 
 impl Layout {
+    /// Reads the comment of a file, which is the next line. The first atom follows.
+    fn of<'a>(lines: &mut (impl Iterator<Item = (u64, &'a [u8])> + Clone)) -> Result<Self, Fault> {
+        let (_, comment) = lines.next().unwrap_or_default();
+        let comment = String::from_utf8_lossy(comment);
+        if let Some(properties) = properties(&comment) {
+            return Self::named(&properties);
+        }
+        let (_, first) = lines.clone().next().unwrap_or_default();
+        let first: Vec<_> = words(first).collect();
+        if first.len() == 3 && first.iter().all(|word| word.parse::<f64>().is_ok()) {
+            return Err(point());
+        }
+        Ok(Self::usual(first.len(), &comment))
+    }
+
     /// The layout without names, for lines of this many words.
     fn usual(words: usize, comment: &str) -> Self {
         let species = match comment.trim_start().starts_with(LAMMPS) {
             true => Species::Type(0),
             false => Species::Element(0),
         };
+        let more = (4..words).map(|at| (format!("column{}", at + 1), at));
+        let more: Vec<_> = more.collect();
+        let properties = [("species".to_owned(), 1), (POSITION.to_owned(), 3)];
+        let others = more.iter().map(|(name, _)| (name.clone(), 1));
         Self {
             species,
             position: 1,
             radius: None,
             color: None,
-            more: (4..words)
-                .map(|at| (format!("column{}", at + 1), at))
-                .collect(),
+            properties: properties.into_iter().chain(others).collect(),
+            more,
             width: 0,
         }
+    }
+
+    /// Returns the name of each word of a line.
+    fn names(&self) -> impl Iterator<Item = String> {
+        self.properties.iter().flat_map(|(name, count)| {
+            let is_position = name.eq_ignore_ascii_case(POSITION);
+            (0..*count).map(move |index| match ["x", "y", "z"].get(index) {
+                Some(axis) if is_position => (*axis).to_owned(),
+                _ if *count == 1 => name.clone(),
+                _ => numbered(name, index),
+            })
+        })
     }
 
     /// The layout of an extended XYZ file.
@@ -183,6 +220,7 @@ impl Layout {
         let (mut species, mut numbers, mut types) = (None, None, None);
         let (mut position, mut radius, mut color) = (None, None, None);
         let (mut more, mut at) = (Vec::<(String, usize)>::new(), 0_usize);
+        let mut all = Vec::new();
         for part in parts.chunks(3) {
             let &[name, kind, count] = part else {
                 return Err(wrong("a name has no type or count"));
@@ -198,7 +236,7 @@ impl Layout {
                 ("species", "S", 1) => species = Some(Species::Element(at)),
                 ("z", "I", 1) => numbers = Some(Species::Element(at)),
                 ("type", _, 1) => types = Some(Species::Type(at)),
-                ("pos", "R", 3) => (position, is_number) = (Some(at), false),
+                (POSITION, "R", 3) => (position, is_number) = (Some(at), false),
                 (RADIUS, "R" | "I", 1) if radius.is_none() => {
                     (radius, is_number) = (Some(at), false);
                 }
@@ -208,10 +246,12 @@ impl Layout {
             // An atomic number is in a column of every file.
             match (count, is_number) {
                 (1, true) if lower != "z" => more.push((name.to_owned(), at)),
-                (2.., true) => more
-                    .extend((0..count).map(|index| (format!("{name}.{}", index + 1), at + index))),
+                (2.., true) => {
+                    more.extend((0..count).map(|index| (numbered(name, index), at + index)));
+                }
                 _ => {}
             }
+            all.push((name.to_owned(), count));
             at += count;
         }
         let known = |name: &str| COLUMNS.contains(&name);
@@ -228,10 +268,16 @@ impl Layout {
             position: position.ok_or_else(|| wrong("there is no `pos:R:3`"))?,
             radius,
             color,
+            properties: all,
             more,
             width: at,
         })
     }
+}
+
+/// Returns the name of a word of a property with several, by its index.
+fn numbered(name: &str, index: usize) -> String {
+    format!("{name}.{}", index + 1)
 }
 
 /// Returns true if the kinds of the first atoms are the first letters of the alphabet: `A`, `B` and so on, as

@@ -23,17 +23,7 @@ pub(super) fn read(
     selection: &Selection,
     defaults: &Defaults,
 ) -> Result<Table, ReadError> {
-    let body = bytes.get(header.end..).unwrap_or_default();
-    let body = std::str::from_utf8(body).map_err(|error| {
-        let at = header.end + error.valid_up_to();
-        Fault::new(format!(
-            "the byte at {at} is not text, although the header says `ascii`"
-        ))
-    })?;
-    let mut lines = Text {
-        lines: body.split(header.line_end).enumerate(),
-        before: header.lines + 1,
-    };
+    let mut lines = Text::of(bytes, header)?;
     let mut rows = Rows::new();
     'elements: for element in &header.elements {
         // A row of an element without properties is empty.
@@ -71,6 +61,21 @@ pub(super) fn read(
     })
 }
 
+/// Returns the properties of a vertex as text; of lists, their lengths.
+pub(super) fn texts(bytes: &[u8], header: &Header, row: usize) -> Result<Vec<String>, Fault> {
+    let mut lines = Text::of(bytes, header)?;
+    let all = header.elements.iter();
+    let all = all.filter(|element| !element.properties.is_empty());
+    let before = all.take_while(|element| element.name != VERTEX);
+    let before: usize = before.map(|element| element.rows).sum();
+    for _ in 0..before.saturating_add(row) {
+        lines.next();
+    }
+    let (line, text) = lines.next().unwrap_or_default();
+    let words = words(header.vertex()?, row, line, text)?;
+    Ok(words.into_iter().map(str::to_owned).collect())
+}
+
 /// The nonempty lines with their numbers.
 struct Text<'a> {
     lines: Enumerate<Split<'a, char>>,
@@ -78,6 +83,21 @@ struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
+    /// Creates the lines behind a header.
+    fn of(bytes: &'a [u8], header: &Header) -> Result<Self, Fault> {
+        let body = bytes.get(header.end..).unwrap_or_default();
+        let body = std::str::from_utf8(body).map_err(|error| {
+            let at = header.end + error.valid_up_to();
+            Fault::new(format!(
+                "the byte at {at} is not text, although the header says `ascii`"
+            ))
+        })?;
+        Ok(Self {
+            lines: body.split(header.line_end).enumerate(),
+            before: header.lines + 1,
+        })
+    }
+
     fn next(&mut self) -> Option<(u64, &'a str)> {
         let is_text = |(_, text): &(usize, &str)| !text.trim_ascii().is_empty();
         let (index, text) = self.lines.find(is_text)?;

@@ -104,6 +104,36 @@ pub(super) fn read(
     })
 }
 
+/// Returns the properties of a vertex as text; of lists, their lengths.
+pub(super) fn texts(
+    bytes: &[u8],
+    header: &Header,
+    endian: Endian,
+    row: usize,
+) -> Result<Vec<String>, Fault> {
+    let at = header.end.min(bytes.len());
+    let mut walk = Walk { bytes, endian, at };
+    for element in &header.elements {
+        if element.name == VERTEX {
+            break;
+        }
+        walk.skip(element)?;
+    }
+    let vertex = header.vertex()?;
+    let before = Element {
+        rows: row,
+        ..vertex.clone()
+    };
+    walk.skip(&before)?;
+    let texts = vertex.properties.iter().map(|property| {
+        let (Type::Scalar(scalar) | Type::List { length: scalar, .. }) = property.kind;
+        let text = scalar.text(bytes.get(walk.at..)?, endian)?;
+        walk.skip_value(property.kind)?;
+        Some(text)
+    });
+    Ok(texts.map(Option::unwrap_or_default).collect())
+}
+
 /// Returns the layout of the vertices, if it is known before any row is read and the rows are not
 /// too large.
 fn layout(

@@ -14,7 +14,7 @@ use header::{Element, Encoding, Header, Property, Type};
 
 use crate::{
     scene::table::{
-        Fault, ReadError, Request, Table,
+        Fault, ReadError, Request, RowCells, Table,
         bytes::{Reading, read_bytes},
         layout::{COLORS, Columns, Endian, Scalar, VALUE},
         select::{self, Known, Names},
@@ -115,6 +115,27 @@ pub(super) fn read(
         Encoding::BinaryBigEndian => Endian::Big,
     };
     binary::read(file, &header, endian, &selection, &request.defaults)
+}
+
+/// Reads the cells of a row, with the names of their columns.
+pub(super) fn row_cells(reader: impl Read, length: u64, row: usize) -> Result<RowCells, ReadError> {
+    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
+    let bytes = read_bytes(reader, length)?;
+    let header = Header::parse(&bytes)?.ok_or_else(Header::endless)?;
+    let texts = match header.encoding {
+        Encoding::Ascii => ascii::texts(&bytes, &header, row)?,
+        Encoding::BinaryLittleEndian => binary::texts(&bytes, &header, Endian::Little, row)?,
+        Encoding::BinaryBigEndian => binary::texts(&bytes, &header, Endian::Big, row)?,
+    };
+    let properties = &header.vertex()?.properties;
+    let cells = properties.iter().zip(texts).map(|(property, text)| {
+        let text = match property.kind {
+            Type::Scalar(_) => text,
+            Type::List { .. } => format!("a list of {text}"),
+        };
+        (&property.name, text)
+    });
+    Ok(RowCells::new(properties.len(), cells))
 }
 
 /// Reads the header of a file of this length, and returns it with all bytes that were read.

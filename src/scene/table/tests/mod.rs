@@ -6,6 +6,7 @@ mod cylinders;
 mod npy;
 mod npz;
 mod ply;
+mod row_cells;
 mod texts;
 mod values;
 

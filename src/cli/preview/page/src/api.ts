@@ -71,8 +71,11 @@ export interface Pixel {
         depth: number;
         position: [number, number, number];
         normal: [number, number, number];
-        /** The columns of the row of a table. */
-        columns: [string, number | null][];
+        /** The first columns of the row of a table. */
+        columns: [string, string][];
+        more_columns: number;
+        /** True for the text of the file, false for the numbers of the scene. */
+        is_from_file: boolean;
       })
     | null;
 }

@@ -13,7 +13,7 @@ function vector(values: [number, number, number]): string {
 }
 
 /**
- * Four lines at most, so that the picture above stays where it is. Rows are counted as in the equations of
+ * Four lines, of which the last may be long, so that the picture above stays where it is. Rows are counted as in the equations of
  * cameras, and by `strahl pixel`.
  */
 function describe(pixel: Pixel, height: number): string {
@@ -28,13 +28,14 @@ function describe(pixel: Pixel, height: number): string {
     color,
     `${seen.kind} ${seen.path}${row}${name} · depth ${number(seen.depth)}`,
     `position ${vector(seen.position)} · normal ${vector(seen.normal)}`,
-    ...(seen.columns.length > 0 ? [seen.columns.map(([name, value]) => `${name} ${cell(value)}`).join(", ")] : []),
+    ...(seen.columns.length > 0 ? [columns(seen)] : []),
   ].join("\n");
 }
 
-/** NaN and infinite values have no form in JSON. */
-function cell(value: number | null): string {
-  return value === null ? "–" : number(value);
+function columns(seen: NonNullable<Pixel["geometry"]>): string {
+  const cells = seen.columns.map(([name, text]) => `${name} ${seen.is_from_file ? text : number(Number(text))}`);
+  if (seen.more_columns > 0) cells.push(`and ${seen.more_columns} more`);
+  return cells.join(", ");
 }
 
 interface At {
@@ -110,13 +111,13 @@ export class Readout {
   }
 
   private async read(at: At): Promise<void> {
-    const pixel = await this.ask(at);
+    const pixel = await this.ask(at, at === this.pinned);
     this.out.textContent = describe(pixel, this.picture.scene?.height ?? 0);
   }
 
-  /** What a pixel shows. */
-  ask(at: At): Promise<Pixel> {
-    return getJson<Pixel>("/pixel", { ...this.picture.query(), ...at });
+  /** What a pixel shows; with all columns of the row of a table, which are read from its file. */
+  ask(at: At, whole = false): Promise<Pixel> {
+    return getJson<Pixel>("/pixel", { ...this.picture.query(), ...at, whole: String(whole) });
   }
 
   /** Explains the pixel that is read. */
