@@ -479,6 +479,7 @@ fn faults_have_a_place() {
             "line 3: `O` is not a number",
             "line 4: `vertex` is not a statement of an OBJ file",
             "line 5: a face with 2 corners is not used",
+            "line 6: `x` is not a corner of a face",
         ]
     );
     assert_eq!(
@@ -492,7 +493,8 @@ fn faults_have_a_place() {
     assert_eq!(
         wrong("solid\nfacet\nouter loop\nvertex 0 0\nvertex 0 0 1 2\nvertex x 0 1\nendloop\n"),
         [
-            "line 4: 2 numbers, expected 3 (2)",
+            "line 4: 2 numbers, expected 3",
+            "line 5: 4 numbers, expected 3",
             "line 6: `x` is not a number",
             "the file is cut off: expected `endfacet` at its end",
         ]
