@@ -109,8 +109,8 @@ impl Scene {
     /// Returns the cells of all columns of a row, read again from its file; those of [`Scene::row_cells`] if
     /// the file has changed, or cannot be read. Reading ends soon after `cancel` is cancelled.
     pub fn row_cells_in_file(&self, index: usize, shape: &Shape, cancel: &Cancel) -> RowCells {
-        let found = self.origins.file_and_row(index);
-        let cells = found.and_then(|(file, row)| file.cells(row, cancel));
+        let found = self.origins.row_of(index);
+        let cells = found.and_then(|(table, row)| table.cells(row, cancel));
         cells.unwrap_or_else(|| self.row_cells(index, shape))
     }
 

@@ -18,6 +18,7 @@ use crate::{
         instances::{self, Instances, Prototypes},
         origin::Origin,
         origins::{Origins, SpanContent},
+        reread::RowsOf,
         scales::{Scale, Scales},
         table::Table,
         tables::{Content, Tables},
@@ -182,11 +183,11 @@ fn copy(
             continue;
         }
         let known = tables.instances(at).filter(|_| named.file.is_some());
-        let (columns, rows) = match known {
-            Some(known) => (known.columns.clone(), Arc::clone(known.rows())),
-            None => (None, instances::written(named)),
-        };
-        tables.add_instances(at, Instances::new(named, prototype, columns, rows));
+        let rows = known.map_or_else(
+            || instances::written(named),
+            |known| Arc::clone(known.rows()),
+        );
+        tables.add_instances(at, Instances::new(named, prototype, rows));
     }
 }
 
@@ -250,11 +251,7 @@ impl Builder<'_> {
         let content = match (self.tables.take(*at), model) {
             (Some(Content::Table(table, file)), model) => {
                 self.table(&model, &table, origin, placement)?;
-                SpanContent::Table {
-                    columns: Arc::clone(&table.names().all),
-                    left_out: table.left_out().cloned(),
-                    file,
-                }
+                SpanContent::Table(RowsOf::new(&table, file))
             }
             (Some(Content::Part { part, .. }), _) => {
                 self.scales.add_part(origin, first, &part.places);
@@ -262,12 +259,12 @@ impl Builder<'_> {
                 self.ids += part.count();
                 SpanContent::Part(Arc::clone(&part.places))
             }
-            (Some(Content::Instances(instances)), _) => {
+            (Some(Content::Instances(instances, table)), _) => {
                 if let Some(all) = instances.placed(placement) {
                     self.all.push(all?);
                     self.ids += instances.count();
                 }
-                SpanContent::Instances(Arc::clone(&instances.of), instances.columns.clone())
+                SpanContent::Instances(Arc::clone(&instances.of), table)
             }
             (None, GeometryModel::Group(group)) => {
                 let placement = placement.within(group.transform.as_deref());

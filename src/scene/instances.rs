@@ -15,8 +15,6 @@ use crate::{
 pub(crate) struct Instances {
     /// The name of the geometry.
     pub(crate) of: Arc<str>,
-    /// The names of the columns, if the transforms are the rows of a table.
-    pub(crate) columns: Option<Arc<[String]>>,
     rows: Arc<Vec<Rows>>,
     /// All copies, not placed by what is around them; `None` if what they are copies of is empty or
     /// invalid, or if there are none.
@@ -101,12 +99,10 @@ impl Instances {
     pub(crate) fn new(
         named: &InstancesModel,
         prototype: &[Geometry],
-        columns: Option<Arc<[String]>>,
         rows: Arc<Vec<Rows>>,
     ) -> Self {
         Self {
             of: (*named.of).into(),
-            columns,
             // What is invalid has its own diagnostics.
             all: Geometry::copies_at(prototype, Arc::clone(&rows)).ok(),
             rows,

@@ -7,8 +7,7 @@ use crate::scene::{
     names::Names,
     origin::{InstancesOf, Origin, PartGeometries, TableRows},
     part::Places,
-    reread::TableFile,
-    table::left_out::LeftOut,
+    reread::RowsOf,
 };
 
 /// The names of the geometries in a list, and the origins of the geometries of the world that they
@@ -32,18 +31,14 @@ struct Span {
 /// What a span holds.
 #[derive(Clone, Debug)]
 pub(crate) enum SpanContent {
-    /// The rows of a table with these columns, those of its file that it does not have, and the file.
-    Table {
-        columns: Arc<[String]>,
-        left_out: Option<Arc<LeftOut>>,
-        file: Option<Arc<TableFile>>,
-    },
+    /// The rows of a table.
+    Table(RowsOf),
     /// The geometries of a part, with their places in its file.
     Part(Arc<Places>),
     /// The geometries of a group, with their places in it.
     Group(Origins),
-    /// Copies of the geometry with this name, and the columns of their table.
-    Instances(Arc<str>, Option<Arc<[String]>>),
+    /// Copies of the geometry with this name, and their table.
+    Instances(Arc<str>, Option<RowsOf>),
 }
 
 impl Span {
@@ -89,14 +84,14 @@ impl Origins {
     /// Each table.
     pub(crate) fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
         self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Table { columns, .. } = placed.content else {
+            let SpanContent::Table(rows) = placed.content else {
                 return None;
             };
             Some(TableRows {
                 origin: placed.origin,
                 name: placed.name,
                 indices: placed.indices,
-                columns,
+                columns: &rows.columns,
             })
         })
     }
@@ -104,14 +99,14 @@ impl Origins {
     /// Each geometry that is copies of another.
     pub(crate) fn instances(&self) -> impl Iterator<Item = InstancesOf<'_>> {
         self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Instances(of, columns) = placed.content else {
+            let SpanContent::Instances(of, rows) = placed.content else {
                 return None;
             };
             Some(InstancesOf {
                 origin: placed.origin,
                 name: placed.name,
                 of,
-                columns: columns.as_deref(),
+                columns: rows.as_ref().map(|rows| &*rows.columns),
                 indices: placed.indices,
             })
         })
@@ -181,7 +176,7 @@ impl Origins {
     pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
         self.spans.iter().filter_map(|span| {
             let (kind, list) = match &span.content {
-                SpanContent::Table { .. } | SpanContent::Instances(..) => return None,
+                SpanContent::Table(_) | SpanContent::Instances(..) => return None,
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
@@ -213,9 +208,7 @@ impl Origins {
         iter::successors(Some(self.find(index)), |found| match found.span {
             Some((span, index)) => match &span.content {
                 SpanContent::Group(list) => Some(list.find(index)),
-                SpanContent::Table { .. } | SpanContent::Part(_) | SpanContent::Instances(..) => {
-                    None
-                }
+                SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Instances(..) => None,
             },
             None => None,
         })
@@ -235,9 +228,7 @@ impl Origins {
         }
         if let Some((span, index)) = last.and_then(|found| found.span) {
             match &span.content {
-                SpanContent::Table { left_out, .. } => {
-                    origin.row = Some(row_in_file(left_out.as_deref(), index));
-                }
+                SpanContent::Table(rows) => origin.row = Some(rows.row_in_file(index)),
                 SpanContent::Instances(..) => origin.instance = Some(index),
                 SpanContent::Part(_) | SpanContent::Group(_) => {}
             }
@@ -245,17 +236,13 @@ impl Origins {
         origin
     }
 
-    /// Returns the file of a geometry of the world that is a row of a table, and the row in it, also of
-    /// one in a part.
-    pub(crate) fn file_and_row(&self, index: usize) -> Option<(&TableFile, usize)> {
+    /// Returns the table of a geometry of the world that is a row of one, and the row, also in a part.
+    pub(crate) fn row_of(&self, index: usize) -> Option<(&RowsOf, usize)> {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
-            SpanContent::Table { left_out, file, .. } => {
-                let row = row_in_file(left_out.as_deref(), index);
-                file.as_deref().map(|file| (file, row))
-            }
-            SpanContent::Part(part) => part.origins.file_and_row(index),
-            SpanContent::Group(_) | SpanContent::Instances(..) => None,
+            SpanContent::Table(rows) | SpanContent::Instances(_, Some(rows)) => Some((rows, index)),
+            SpanContent::Part(part) => part.origins.row_of(index),
+            SpanContent::Group(_) | SpanContent::Instances(_, None) => None,
         }
     }
 
@@ -280,7 +267,7 @@ impl Origins {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
             SpanContent::Part(part) => Some((part, index)),
-            SpanContent::Table { .. } | SpanContent::Group(_) | SpanContent::Instances(..) => None,
+            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Instances(..) => None,
         }
     }
 
@@ -355,22 +342,10 @@ impl Origins {
     }
 }
 
-fn row_in_file(left_out: Option<&LeftOut>, row: usize) -> usize {
-    left_out.map_or(row, |left_out| left_out.row_in_file(row))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::scales::Scales;
-
-    fn empty_table() -> SpanContent {
-        SpanContent::Table {
-            columns: [].into(),
-            left_out: None,
-            file: None,
-        }
-    }
 
     fn spans(spans: Vec<Span>) -> Origins {
         Origins {
@@ -393,7 +368,7 @@ mod tests {
             first,
             count,
             geometry,
-            content: empty_table(),
+            content: SpanContent::Table(RowsOf::default()),
         };
         // Two spheres, a table of three, one of none, a sphere, and a table of one.
         let origins = spans(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
@@ -468,7 +443,7 @@ mod tests {
             geometry,
             content,
         };
-        let table = empty_table;
+        let table = || SpanContent::Table(RowsOf::default());
         // A sphere, a group of a sphere, a table of two, an empty group and a group of a sphere, and
         // a sphere.
         let mut inmost = spans(Vec::new());

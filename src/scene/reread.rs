@@ -1,4 +1,5 @@
-//! The file of a table, of which single rows are read again: a scene keeps only the columns that it needs.
+//! The table that rows come from, and its file, of which single rows are read again: a scene keeps only the
+//! columns that it needs.
 
 use std::{path::PathBuf, sync::Arc};
 
@@ -8,9 +9,40 @@ use crate::{
         files::{Files, Stamp},
         format::geometry::table::RowKind,
         options::{ReadOptions, UntilCancelled},
-        table::{Defaults, Format, Request, RowCells},
+        table::{Defaults, Format, Request, RowCells, Table, left_out::LeftOut},
     },
 };
+
+/// The table that rows of a scene come from.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowsOf {
+    /// The names of the columns, also of those that are not used.
+    pub(crate) columns: Arc<[String]>,
+    left_out: Option<Arc<LeftOut>>,
+    file: Option<Arc<TableFile>>,
+}
+
+impl RowsOf {
+    pub(crate) fn new(table: &Table, file: Option<Arc<TableFile>>) -> Self {
+        Self {
+            columns: Arc::clone(&table.names().all),
+            left_out: table.left_out().cloned(),
+            file,
+        }
+    }
+
+    /// Returns the row in the file of a row of the table.
+    pub(crate) fn row_in_file(&self, row: usize) -> usize {
+        let left_out = self.left_out.as_ref();
+        left_out.map_or(row, |left_out| left_out.row_in_file(row))
+    }
+
+    /// Reads the cells of a row of the table again; `None` if the file has changed since it was read, or
+    /// cannot be read.
+    pub(crate) fn cells(&self, row: usize, cancel: &Cancel) -> Option<RowCells> {
+        self.file.as_ref()?.cells(self.row_in_file(row), cancel)
+    }
+}
 
 /// The file of a table, and how it is read.
 #[derive(Debug)]
@@ -45,9 +77,7 @@ impl TableFile {
         })
     }
 
-    /// Reads the cells of a row, which counts from 0; `None` if the file has changed since it was read, or
-    /// cannot be read.
-    pub(crate) fn cells(&self, row: usize, cancel: &Cancel) -> Option<RowCells> {
+    fn cells(&self, row: usize, cancel: &Cancel) -> Option<RowCells> {
         let content = self.files.open(&self.path).ok()?;
         let stamp = content.stamp().filter(|stamp| *stamp == self.stamp)?;
         let request = Request {

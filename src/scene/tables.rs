@@ -24,7 +24,7 @@ use crate::{
         part::{Part, PartLight},
         place::Place,
         problem::Problem,
-        reread::TableFile,
+        reread::{RowsOf, TableFile},
         table::{Cloud, Defaults, Format, ReadError, Request, Row, Table},
     },
     tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
@@ -52,7 +52,8 @@ pub(crate) enum Content {
         /// True if the lights of the part light the scene.
         lights: bool,
     },
-    Instances(Box<Instances>),
+    /// Copies, and the table whose rows place them, if there is one.
+    Instances(Box<Instances>, Option<RowsOf>),
 }
 
 impl Content {
@@ -60,14 +61,14 @@ impl Content {
     const fn table(&self) -> Option<&Table> {
         match self {
             Self::Table(table, _) => Some(table),
-            Self::Part { .. } | Self::Instances(_) => None,
+            Self::Part { .. } | Self::Instances(..) => None,
         }
     }
 
     /// The part, if it is one.
     pub(crate) fn part(&self) -> Option<&Part> {
         match self {
-            Self::Table(..) | Self::Instances(_) => None,
+            Self::Table(..) | Self::Instances(..) => None,
             Self::Part { part, .. } => Some(part),
         }
     }
@@ -75,7 +76,7 @@ impl Content {
     /// The copies, if it is some.
     const fn instances(&self) -> Option<&Instances> {
         match self {
-            Self::Instances(instances) => Some(instances),
+            Self::Instances(instances, _) => Some(instances),
             Self::Table(..) | Self::Part { .. } => None,
         }
     }
@@ -85,7 +86,7 @@ impl Content {
         match self {
             Self::Table(table, _) => table.rows(),
             Self::Part { part, .. } => part.count(),
-            Self::Instances(instances) => instances.count(),
+            Self::Instances(instances, _) => instances.count(),
         }
     }
 }
@@ -152,8 +153,8 @@ pub(crate) fn read(
                         continue;
                     }
                 };
-                let columns = Some(Arc::clone(&table.names().all));
-                Content::Instances(Instances::new(instances, &[], columns, rows).into())
+                let table = Some(RowsOf::new(&table, file.map(Arc::new)));
+                Content::Instances(Instances::new(instances, &[], rows).into(), table)
             }
             _ => Content::Table(Box::new(table), file.map(Arc::new)),
         };
@@ -273,7 +274,7 @@ impl Tables {
             Content::Part {
                 part, lights: true, ..
             } => part.lights.as_deref(),
-            Content::Part { .. } | Content::Table(..) | Content::Instances(_) => None,
+            Content::Part { .. } | Content::Table(..) | Content::Instances(..) => None,
         })
     }
 
@@ -325,9 +326,13 @@ impl Tables {
         Ok(())
     }
 
-    /// Adds the copies that a geometry is, or replaces them.
+    /// Adds the copies that a geometry is, or replaces them. Those of a table keep it.
     pub(crate) fn add_instances(&mut self, geometry: Ordinal, instances: Instances) {
-        let content = Content::Instances(instances.into());
+        let table = match self.0.remove(&geometry) {
+            Some(Content::Instances(_, table)) => table,
+            _ => None,
+        };
+        let content = Content::Instances(instances.into(), table);
         self.0.insert(geometry, content);
     }
 

@@ -8,7 +8,9 @@ use std::{borrow::Cow, collections::HashSet, io::Read};
 
 use super::{Atoms, COLUMNS, Column, Own, lines, text};
 use crate::{
-    scene::table::{At, Fault, Part, ReadError, Request, RowCells, Table, fault::Wrong},
+    scene::table::{
+        At, Fault, Part, ReadError, Request, RowCells, Table, bytes::LONGEST_LINE, fault::Wrong,
+    },
     text::nearest::quote,
 };
 
@@ -29,7 +31,7 @@ pub(in super::super) fn read(
             .fault(message)
             .help("the first lines are the number of atoms and a comment")
     })?;
-    let layout = Layout::of(&mut lines)?;
+    let layout = Layout::of(&mut lines, text.len().min(LONGEST_LINE))?;
     let own = Own {
         radius: layout.radius.is_some(),
         color: layout.color.is_some(),
@@ -116,7 +118,7 @@ pub(in super::super) fn row_cells(
 ) -> Result<RowCells, ReadError> {
     let text = text(reader, length)?;
     let mut lines = lines(&text).skip(1);
-    let layout = Layout::of(&mut lines)?;
+    let layout = Layout::of(&mut lines, text.len().min(LONGEST_LINE))?;
     let (_, line) = lines.nth(row).unwrap_or_default();
     let count = layout.properties.iter().map(|(_, count)| count).sum();
     Ok(RowCells::new(count, layout.names().zip(words(line))))
@@ -166,12 +168,16 @@ fn wrong(what: &str) -> Fault {
 }
 
 impl Layout {
-    /// Reads the comment of a file, which is the next line. The first atom follows.
-    fn of<'a>(lines: &mut (impl Iterator<Item = (u64, &'a [u8])> + Clone)) -> Result<Self, Fault> {
+    /// Reads the comment of a file with lines of up to `longest` bytes, which is the next line. The first atom
+    /// follows.
+    fn of<'a>(
+        lines: &mut (impl Iterator<Item = (u64, &'a [u8])> + Clone),
+        longest: usize,
+    ) -> Result<Self, Fault> {
         let (_, comment) = lines.next().unwrap_or_default();
         let comment = String::from_utf8_lossy(comment);
         if let Some(properties) = properties(&comment) {
-            return Self::named(&properties);
+            return Self::named(&properties, longest);
         }
         let (_, first) = lines.clone().next().unwrap_or_default();
         let first: Vec<_> = words(first).collect();
@@ -214,8 +220,8 @@ impl Layout {
         })
     }
 
-    /// The layout of an extended XYZ file.
-    fn named(properties: &str) -> Result<Self, Fault> {
+    /// The layout of an extended XYZ file, of which no line has more than `longest` words.
+    fn named(properties: &str, longest: usize) -> Result<Self, Fault> {
         let parts: Vec<_> = properties.split(':').collect();
         let (mut species, mut numbers, mut types) = (None, None, None);
         let (mut position, mut radius, mut color) = (None, None, None);
@@ -225,11 +231,13 @@ impl Layout {
             let &[name, kind, count] = part else {
                 return Err(wrong("a name has no type or count"));
             };
-            // A line has at most as many words as the file has bytes.
             let count: u16 = count
                 .parse()
                 .map_err(|_| wrong("a count is not a number"))?;
             let count = usize::from(count);
+            if at + count > longest {
+                return Err(wrong("too many columns"));
+            }
             let lower = name.to_ascii_lowercase();
             let mut is_number = matches!(kind, "R" | "I");
             match (&*lower, kind, count) {

@@ -230,6 +230,13 @@ fn faults_of_atoms_name_line_and_column() {
             Format::Xyz,
             "line 4: text after the last of 1 atoms",
         ),
+        // Each column takes memory.
+        (
+            "1\nProperties=species:S:1:pos:R:3:q:R:65535\nC 0 0 0\n",
+            Format::Xyz,
+            "line 2: too many columns in `Properties`; they are names, types and counts, such as \
+             `species:S:1:pos:R:3:energy:R:1`",
+        ),
         (
             "1\nProperties=species:S:1:pos:R:3:x:R:1\nC 0 0 0 0\n",
             Format::Xyz,
