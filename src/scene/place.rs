@@ -173,14 +173,17 @@ impl Place<'_> {
 
     /// Warns about what a table does not take from its file.
     pub(super) fn not_taken(&self, table: &Table) -> impl Iterator<Item = Problem> {
-        let left_out = table.left_out().map(|left_out| {
-            let at = At::row(left_out.first, table.line(left_out.first));
-            let fault = at.fault("all coordinates are NaN, so there is no point");
-            self.fault(Code::NoEffect, &fault, left_out.count)
+        let left_out = table.left_out().into_iter().flat_map(|left_out| {
+            let rows = counted(&left_out.listed, left_out.count);
+            rows.map(|(row, count)| {
+                let at = At::row(row, table.line(*row));
+                let fault = at.fault("all coordinates are NaN, so there is no point");
+                self.fault(Code::NoEffect, &fault, count)
+            })
         });
         let behind = table.behind();
         let behind = behind.map(|fault| self.fault(Code::NoEffect, fault, 1));
-        left_out.into_iter().chain(behind)
+        left_out.chain(behind)
     }
 
     /// Warns about columns that set nothing.
@@ -411,6 +414,16 @@ fn one_of_a_row(mut bad: Vec<Bad>) -> Vec<Bad> {
         last.count += rest;
     }
     bad
+}
+
+/// Returns the listed places with the number that each stands for: those that are not listed are counted
+/// with the last.
+fn counted<T>(listed: &[T], count: usize) -> impl Iterator<Item = (&T, usize)> {
+    let last = listed.len();
+    let number = move |at: usize| if at == last { count + 1 - last } else { 1 };
+    (1..)
+        .zip(listed)
+        .map(move |(at, place)| (place, number(at)))
 }
 
 /// Formats the number of further faults beyond the reported one.

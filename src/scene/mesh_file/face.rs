@@ -42,6 +42,9 @@ impl MeshFile {
             corners: corners.len(),
             place,
         };
+        if !rest.is_empty() {
+            self.start_face(face.first, place)?;
+        }
         // One corner is read at a time: a pair would have to wait until both have been written.
         let mut last = *second;
         for next in rest {
@@ -55,6 +58,15 @@ impl MeshFile {
             push(&mut self.early, face, "faces before their vertices")?;
         }
         Ok(())
+    }
+
+    /// Notes the line of the face that starts with a triangle.
+    #[inline(always)]
+    pub(super) fn start_face(&mut self, first: usize, place: Place) -> Result<(), ReadError> {
+        match place.text_line() {
+            Some(line) => Ok(self.lines.add(first, line)?),
+            None => Ok(()),
+        }
     }
 
     /// Returns true if four corners need no closer look.

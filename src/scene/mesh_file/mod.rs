@@ -8,6 +8,7 @@
 mod face;
 mod flaw;
 mod join;
+mod lines;
 mod obj;
 mod place;
 mod ply;
@@ -32,7 +33,7 @@ pub(crate) use flaw::{Flaw, Note};
 use crate::{
     parallel::Cancel,
     scene::{
-        mesh_file::{face::Early, place::Place, stream::Stream},
+        mesh_file::{face::Early, lines::Lines, place::Place, stream::Stream},
         table::{At, Fault, Names, Part, ReadError, most_listed},
     },
     text::{nearest::quote, syntax::Decimal},
@@ -104,6 +105,8 @@ pub(crate) struct MeshFile {
     early: Vec<Early>,
     /// The triangles that have an area for certain.
     with_area: Vec<Range<usize>>,
+    /// The lines of the faces, if the file is a text.
+    lines: Lines,
     /// Ends the reading. What was read is of no use then.
     cancel: Option<Cancel>,
     /// The work that went into cutting polygons.
@@ -182,6 +185,22 @@ impl MeshFile {
                 before,
                 count: 1,
             }),
+        }
+    }
+
+    /// Notes a fault at this many places, the first of which are `listed`.
+    fn note_all<T>(
+        &mut self,
+        flaw: Flaw,
+        (listed, count): (&[T], usize),
+        fault: impl Fn(&T) -> Fault,
+    ) {
+        for place in listed {
+            self.note(flaw, || fault(place));
+        }
+        let last = self.notes.iter_mut().rfind(|note| note.flaw == flaw);
+        if let Some(note) = last {
+            note.count += count - listed.len();
         }
     }
 
@@ -314,7 +333,7 @@ impl MeshFile {
         let runs = self.with_area.iter();
         let starts = [0].into_iter().chain(runs.clone().map(|run| run.end));
         let ends = runs.map(|run| run.start).chain([self.triangles.len()]);
-        let (mut first, mut count) = (None, 0);
+        let (mut listed, mut count) = (Vec::new(), 0);
         for (start, end) in starts.zip(ends) {
             let unknown = self.triangles.get(start..end).unwrap_or_default();
             for (number, triangle) in (start..).zip(unknown) {
@@ -322,20 +341,20 @@ impl MeshFile {
                     self.ask()?;
                 }
                 if is_degenerate(triangle) {
-                    first.get_or_insert(number);
+                    if listed.len() < most_listed(Flaw::Degenerate.is_error()) {
+                        listed.push(number);
+                    }
                     count += 1;
                 }
             }
         }
-        let Some(first) = first else {
-            return Ok(());
-        };
-        let fault = Fault::new(format!("triangle {first} has no area and is never hit"));
-        self.notes.push(Note {
-            flaw: Flaw::Degenerate,
-            fault,
-            before: 0,
-            count,
+        let lines = std::mem::take(&mut self.lines);
+        self.note_all(Flaw::Degenerate, (&listed, count), |triangle| {
+            let message = format!("triangle {triangle} has no area and is never hit");
+            match lines.of(*triangle) {
+                Some(line) => At::line(line).fault(message),
+                None => Fault::new(message),
+            }
         });
         Ok(())
     }

@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, MOST, MeshFile, Note, Request, place::Place, push, stream::Stream},
-        table::{At, Fault, Part, ReadError},
+        mesh_file::{Flaw, MOST, MeshFile, Request, place::Place, push, stream::Stream},
+        table::{At, Fault, Part, ReadError, most_listed},
     },
     text::nearest::quote,
     tracer::shape::mesh::MeshGroup,
@@ -59,8 +59,8 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let mut reader = Reader {
         mesh: MeshFile::new(request),
         has_colors: request.colors && request.value.is_none(),
-        first_white: None,
-        whites: 0,
+        whites: Vec::new(),
+        white_count: 0,
         corners: Vec::new(),
         later: Vec::new(),
     };
@@ -119,9 +119,9 @@ struct Reader {
     mesh: MeshFile,
     /// True if colors are read.
     has_colors: bool,
-    /// The line of the first vertex without a color, and their number.
-    first_white: Option<u64>,
-    whites: usize,
+    /// The lines of the first vertices without a color, and the number of all of these.
+    whites: Vec<u64>,
+    white_count: usize,
     /// The corners of a face.
     corners: Vec<u32>,
     /// The lines that name vertices before they are given, with the vertex, from 1.
@@ -193,8 +193,10 @@ impl Reader {
             self.white()?;
             self.mesh.add_color([r, g, b], place)?;
         } else {
-            self.first_white.get_or_insert(line);
-            self.whites += 1;
+            if self.white_count < most_listed(Flaw::Colorless.is_error()) {
+                self.whites.push(line);
+            }
+            self.white_count += 1;
         }
         self.mesh.add_vertex(DVec3::new(x, y, z), place)
     }
@@ -245,16 +247,12 @@ impl Reader {
     }
 
     fn finish(mut self) -> Result<MeshFile, ReadError> {
-        if !self.mesh.colors.is_empty()
-            && let Some(line) = self.first_white
-        {
+        if !self.mesh.colors.is_empty() {
             self.white()?;
-            let fault = At::line(line).fault("a vertex without a color is white");
-            self.mesh.notes.push(Note {
-                flaw: Flaw::Colorless,
-                fault: fault.help("give all vertices a color, or none"),
-                before: 0,
-                count: self.whites,
+            let whites = (&*self.whites, self.white_count);
+            self.mesh.note_all(Flaw::Colorless, whites, |line| {
+                let fault = At::line(*line).fault("a vertex without a color is white");
+                fault.help("give all vertices a color, or none")
             });
         }
         let count = self.mesh.vertices.len();

@@ -267,6 +267,7 @@ impl Reader {
         corners: usize,
         place: Place,
     ) -> Result<(), ReadError> {
+        let first = mesh.triangles.len();
         for strip in self.row.list(corners).split(|number| *number == -1.0) {
             self.indices.clear();
             for number in strip {
@@ -287,6 +288,9 @@ impl Reader {
                     push(&mut mesh.triangles, triangle, "triangles")?;
                 }
             }
+        }
+        if mesh.triangles.len() > first {
+            mesh.start_face(first, place)?;
         }
         self.color(mesh, place)
     }

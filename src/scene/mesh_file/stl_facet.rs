@@ -7,6 +7,8 @@ use crate::scene::{
 
 /// A facet of three corners.
 pub(super) struct Facet {
+    /// The number of line ends before it.
+    pub(super) start: u64,
     /// The corners, each with the number of line ends before it.
     pub(super) corners: [([f64; 3], u64); 3],
     /// The number of bytes.
@@ -33,6 +35,7 @@ impl Facet {
         if words.ends == 0 {
             return None;
         }
+        let start = words.ends;
         words.expect("normal")?;
         for _ in 0..3 {
             is_like_a_number(words.next()?).then_some(())?;
@@ -50,6 +53,7 @@ impl Facet {
         words.expect("endloop")?;
         words.expect("endfacet")?;
         Some(Self {
+            start,
             corners,
             length: words.at,
             ends: words.ends,

@@ -82,6 +82,7 @@ pub(super) fn read(mut file: Stream<impl Read>, mesh: MeshFile) -> Result<MeshFi
         corners: Vec::new(),
         state: State::Outside,
         start: 0,
+        facet: 0,
         naming: None,
         skipped: None,
         has_end: false,
@@ -115,6 +116,8 @@ struct Reader {
     state: State,
     /// The line on which the solid starts.
     start: u64,
+    /// The line on which the facet starts.
+    facet: u64,
     /// True after `facet` in the name of the solid, which ends with its line or at `facet normal`.
     naming: Option<bool>,
     /// The line whose further words are skipped.
@@ -158,6 +161,7 @@ impl Reader {
             if is_facet {
                 self.cut_name();
                 self.naming = None;
+                self.facet = line;
                 self.state = State::Facet;
                 self.may_skip_numbers = true;
                 return Ok(());
@@ -212,6 +216,9 @@ impl Reader {
             let at = DVec3::from_array(at);
             *corner = self.joined.vertex(at, &mut self.mesh, place)?;
         }
+        let first = self.mesh.triangles.len();
+        let place = Place::line(line + facet.start);
+        self.mesh.start_face(first, place)?;
         push(&mut self.mesh.triangles, corners, "triangles")
     }
 
@@ -243,7 +250,10 @@ impl Reader {
                     first: self.mesh.triangles.len(),
                 });
             }
-            "facet" => self.may_skip_numbers = true,
+            "facet" => {
+                self.facet = line;
+                self.may_skip_numbers = true;
+            }
             "outer" => self.corners.clear(),
             "vertex" => {
                 let (numbers, count) = ([0.0; 3], 0);
@@ -253,7 +263,10 @@ impl Reader {
                     count,
                 });
             }
-            "endloop" => self.mesh.add_face(&self.corners, Place::line(line))?,
+            "endloop" => {
+                let place = Place::line(self.facet);
+                self.mesh.add_face(&self.corners, place)?;
+            }
             END_SOLID => self.skipped = Some(line),
             _ => {}
         }

@@ -449,7 +449,10 @@ fn faults_have_a_place() {
     );
     assert_eq!(
         wrong(&CORNERS, &["3 0 1 2", "3 1 1 2", "4 3 3 1 2"]),
-        ["triangle 1 has no area and is never hit (2)"]
+        [
+            "line 16: triangle 1 has no area and is never hit",
+            "line 17: triangle 2 has no area and is never hit",
+        ]
     );
     assert_eq!(
         wrong(&CORNERS, &[]),
@@ -503,7 +506,7 @@ fn faults_have_a_place() {
         wrong("solid\nfacet\nvertex 0 0 1\nouter loop\nendloop\nendfacet\nendsolid\n"),
         [
             "line 3: expected `outer`, found `vertex`",
-            "line 5: a face with 0 corners is not used",
+            "line 2: a face with 0 corners is not used",
         ]
     );
     assert_eq!(
@@ -732,7 +735,7 @@ fn no_line_takes_the_size_of_the_file() {
     };
     assert_eq!(
         comment(1 << 20),
-        ["triangle 0 has no area and is never hit"]
+        ["line 3: triangle 0 has no area and is never hit"]
     );
     assert_eq!(comment(1 + (1 << 20)), [format!("line 1: {longer}")]);
 }

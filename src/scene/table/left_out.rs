@@ -8,6 +8,7 @@ use crate::scene::{
     table::{
         Defaults, Table,
         check::Kind,
+        fault::most_listed,
         layout::Column,
         rows::{Empty, Rows},
     },
@@ -18,8 +19,8 @@ use crate::scene::{
 pub(crate) struct LeftOut {
     /// The row in the file of each row of the table.
     kept: Vec<u32>,
-    /// The first row that was left out.
-    pub(crate) first: usize,
+    /// The first rows that were left out: as many as are listed.
+    pub(crate) listed: Vec<usize>,
     /// The number of rows that were left out.
     pub(crate) count: usize,
 }
@@ -42,13 +43,17 @@ impl Table {
         let columns = self.layout.columns;
         let has = columns.map(|column| matches!(column, Some(Column::Stored { .. })));
         let (mut rows, mut kept, mut numbers) = (Rows::new(), Vec::new(), Vec::new());
-        let (mut first, mut count) = (0, 0);
+        // Without lines, all rows have the same place.
+        let most = self.first_line.map_or(1, |_| most_listed(false));
+        let (mut listed, mut count) = (Vec::new(), 0);
         let mut result = Ok(());
         self.any_block(|block| {
             for (at, point) in block.points().enumerate() {
                 let row = block.first + at;
                 if point.to_array().into_iter().all(f64::is_nan) {
-                    first = if count == 0 { row } else { first };
+                    if listed.len() < most {
+                        listed.push(row);
+                    }
                     count += 1;
                     continue;
                 }
@@ -78,7 +83,11 @@ impl Table {
             radius: still(&self.empty.radius),
             color: still(&self.empty.color),
         };
-        let left_out = LeftOut { kept, first, count };
+        let left_out = LeftOut {
+            kept,
+            listed,
+            count,
+        };
         let mut table = rows.into_table(has, self.names, defaults);
         for bad in &mut table.bad {
             bad.row = left_out.row_in_file(bad.row);
@@ -142,7 +151,7 @@ mod tests {
         let mut table = read(text, 2.0);
         assert_eq!(radii(&table), [2.0, 3.0, 2.0]);
         let left_out = table.left_out().unwrap();
-        assert_eq!((left_out.first, left_out.count), (0, 2));
+        assert_eq!((&*left_out.listed, left_out.count), (&[0, 2][..], 2));
         let rows = [0, 1, 2].map(|row| left_out.row_in_file(row));
         assert_eq!(rows, [1, 3, 4]);
         assert_eq!(table.line(3), Some(5));

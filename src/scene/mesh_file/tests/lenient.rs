@@ -271,7 +271,15 @@ fn vertices_without_a_color_are_white() {
     let text = "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let (mesh, warnings) = warned(text.as_bytes(), Format::Obj);
     assert_eq!(mesh.colors, [[1.0; 3], [1.0, 0.0, 0.0], [1.0; 3]]);
-    assert_eq!(warnings, ["line 1: a vertex without a color is white (2)"]);
+    let white = |line: usize| format!("line {line}: a vertex without a color is white");
+    assert_eq!(warnings, [white(1), white(3)]);
+    // Others than the first ten are counted.
+    let text = "v 0 0 0\n".repeat(12) + text;
+    let (_, warnings) = warned(text.as_bytes(), Format::Obj);
+    let mut expected: Vec<_> = (1..=10).map(white).collect();
+    expected[9] += " (5)";
+    expected.push("line 16: triangle 0 has no area and is never hit".to_owned());
+    assert_eq!(warnings, expected);
 }
 
 /// Returns a PLY file with a square of two faces; `of_vertex` and `of_face` are properties and values.
@@ -463,7 +471,46 @@ fn plain_faces_are_fans_with_an_area() {
                 f 4 3 2 1\nf 4 4 4\n";
     let (mesh, warnings) = warned(text.as_bytes(), Format::Obj);
     assert_eq!(mesh.triangles.len(), 9);
-    assert_eq!(warnings, ["triangle 2 has no area and is never hit (2)"]);
+    assert_eq!(
+        warnings,
+        [
+            "line 6: triangle 2 has no area and is never hit",
+            "line 10: triangle 8 has no area and is never hit",
+        ]
+    );
+}
+
+#[test]
+fn triangles_without_area_have_lines() {
+    let [flat, right] = ["2 0 0", "0 1 0"].map(|last| {
+        format!(
+            "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex {last}\n \
+             endloop\nendfacet\n"
+        )
+    });
+    let text = format!("solid\n{flat}{}{flat}endsolid\n", right.repeat(20));
+    let expected = [(2, 0), (149, 21)].map(|(line, triangle)| {
+        format!("line {line}: triangle {triangle} has no area and is never hit")
+    });
+    // Words of two parts are not usual.
+    for text in [&text, &text.replace("endloop", "end loop")] {
+        assert_eq!(warned(text.as_bytes(), Format::Stl).1, expected);
+    }
+    let strips = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+                  property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
+                  end_header\n0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0\n5 0 1 2 3 4\n";
+    assert_eq!(
+        warned(strips.as_bytes(), Format::Ply).1,
+        ["line 15: triangle 0 has no area and is never hit"]
+    );
+    // All triangles of a file of bytes have one place.
+    let mut binary = vec![0; 80];
+    binary.extend(3_u32.to_le_bytes());
+    binary.resize(84 + 3 * 50, 0);
+    assert_eq!(
+        warned(&binary, Format::Stl).1,
+        ["triangle 0 has no area and is never hit (3)"]
+    );
 }
 
 #[test]
