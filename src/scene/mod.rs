@@ -19,6 +19,7 @@ pub(crate) mod locate;
 pub(crate) mod mesh_file;
 mod meshes;
 pub(crate) mod names;
+mod near;
 mod nested;
 pub(crate) mod new;
 pub(crate) mod options;

@@ -9,7 +9,7 @@ use crate::{
         source::Source,
     },
     text::{
-        nearest::{is_misspelt, nearest},
+        nearest::nearest,
         stamp,
         syntax::{NodeId, Syntax, Tree},
     },
@@ -69,9 +69,7 @@ impl<'a> Recognizer<'a> {
         }
         let names = Model::FIELDS.iter().map(|field| field.name);
         let known: Vec<_> = names.filter(|name| !COMMON.contains(name)).collect();
-        let is_near = |name: &str| {
-            known.contains(&name) || is_misspelt(name) && nearest(name, &known).is_some()
-        };
+        let is_near = |name: &str| known.contains(&name) || nearest(name, &known).is_some();
         let is_broken = !self.tree.faults().is_empty();
         self.is_empty()
             || is_broken && self.tree.syntax() == Syntax::Ron

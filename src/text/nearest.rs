@@ -1,54 +1,11 @@
 //! Suggestions for misspelled names, and quoting in messages.
 
-/// Names used by other programs, with the names used here.
-const SYNONYMS: &[(&str, &str)] = &[
-    ("alpha", "fov"),
-    ("AmbientLight", "Ambient"),
-    ("angle", "fov"),
-    ("base_radius", "radius"),
-    ("csv", "file"),
-    ("Cuboid", "Box"),
-    ("direction", "gaze"),
-    ("DirectionalLight", "Directional"),
-    ("end", "to"),
-    ("faces", "triangles"),
-    ("from", "eye"),
-    ("half_angle", "fov"),
-    ("indices", "triangles"),
-    ("lower", "min"),
-    ("objects", "geometries"),
-    ("OrthographicCamera", "Orthographic"),
-    ("path", "file"),
-    ("PerspectiveCamera", "Perspective"),
-    ("PointLight", "Point"),
-    ("position", "eye"),
-    ("position", "center"),
-    ("position", "point"),
-    ("points", "vertices"),
-    ("positions", "vertices"),
-    ("r", "radius"),
-    ("radii", "axes"),
-    ("shapes", "geometries"),
-    ("SpotLight", "Spot"),
-    ("start", "from"),
-    ("Sun", "Directional"),
-    ("table", "file"),
-    ("target", "look_at"),
-    ("to", "look_at"),
-    ("TriangleMesh", "Mesh"),
-    ("upper", "max"),
-];
-
 /// The number of letters from which the start of a name stands for it.
 const SHORTEST_START: usize = 3;
 
 /// Returns the name in `known` that is most similar to `name`, if it is similar enough: the only one
 /// that begins so, or the one with the fewest typing errors.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let mut synonyms = SYNONYMS.iter().filter(|(other, _)| *other == name);
-    if let Some(meant) = synonyms.find_map(|(_, meant)| known.iter().find(|name| *name == meant)) {
-        return Some(meant);
-    }
     let name = plain(name);
     if name.chars().count() >= SHORTEST_START {
         let mut longer = known.iter().filter(|known| plain(known).starts_with(&name));
@@ -66,12 +23,6 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         .filter(|(distance, longest, _)| *distance <= (longest / 3).max(1) && distance < longest)
         .min_by_key(|(distance, _, _)| *distance)
         .map(|(_, _, known)| known)
-}
-
-/// Returns true if the name is not a known synonym. A misspelled name has the value of the intended
-/// one; the value of a synonym may be only a part of it.
-pub(crate) fn is_misspelt(name: &str) -> bool {
-    !SYNONYMS.iter().any(|(other, _)| *other == name)
 }
 
 /// Normalizes a name: case, underscores and hyphens are ignored in comparisons.
@@ -125,14 +76,12 @@ mod tests {
             ("raduis", "radius"),
             ("lookAt", "look_at"),
             ("Up", "up"),
-            ("angle", "fov"),
             ("look", "look_at"),
         ] {
             assert_eq!(nearest(typed, FIELDS), Some(meant));
         }
         // Nearer to `to`, but it is the start of the other.
         assert_eq!(nearest("top", &["to", "top_radius"]), Some("top_radius"));
-        assert_eq!(nearest("Cuboid", &["Sphere", "Box"]), Some("Box"));
     }
 
     #[test]

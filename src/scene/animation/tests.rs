@@ -263,18 +263,19 @@ fn the_fields_are_those_of_the_format() {
     let lights = LightModel::VARIANTS.iter().map(|of| ("Light", of));
     // A name has no fields.
     let materials = MaterialModel::VARIANTS.iter();
-    let materials = materials.filter(|(_, fields)| !fields.is_empty());
+    let materials = materials.filter(|variant| !variant.fields.is_empty());
     let materials = materials.map(|of| ("Material", of));
     let projections = ProjectionModel::VARIANTS.iter();
-    let projections = projections.filter(|(_, fields)| !fields.is_empty());
+    let projections = projections.filter(|variant| !variant.fields.is_empty());
     let projections = projections.map(|of| ("Projection", of));
     let all = cameras.chain(geometries).chain(lights).chain(materials);
     let all = all.chain(projections);
-    for (definition, (variant, fields)) in all {
+    for (definition, variant) in all {
+        let (name, fields) = (variant.name, variant.fields);
         let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
-        let mut bodies = variants.iter().map(|all| &all["properties"][*variant]);
+        let mut bodies = variants.iter().map(|all| &all["properties"][name]);
         let body = bodies.find(|body| body.is_object()).unwrap();
-        assert_eq!(sorted(fields), names(body), "{variant}");
+        assert_eq!(sorted(fields), names(body), "{name}");
     }
 }
 

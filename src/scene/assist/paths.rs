@@ -104,9 +104,9 @@ impl Paths<'_, '_> {
                 };
                 let variant = variants
                     .iter()
-                    .find(|(known, _)| name.as_deref() == Some(*known));
-                if let Some((_, fields)) = variant {
-                    self.add_fields(path, fields, inside.unwrap_or(thing));
+                    .find(|known| name.as_deref() == Some(known.name));
+                if let Some(variant) = variant {
+                    self.add_fields(path, variant.fields, inside.unwrap_or(thing));
                 }
             }
             Type::Map(of_type) => {

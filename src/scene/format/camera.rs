@@ -100,8 +100,8 @@ pub(crate) struct Pose<'m> {
 
 variants! {
     CameraModel {
-        Perspective(PerspectiveModel),
-        Orthographic(OrthographicModel),
+        Perspective(PerspectiveModel) | PerspectiveCamera,
+        Orthographic(OrthographicModel) | OrthographicCamera,
         Fit(FitModel),
     }
 }

@@ -276,6 +276,8 @@ pub(crate) enum Slot<'m> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Field {
     pub(crate) name: &'static str,
+    /// Its names in other programs.
+    pub(crate) others: &'static [&'static str],
     pub(crate) kind: Kind,
     /// Its default, if it has one.
     pub(crate) default: Option<fn() -> Json>,
@@ -296,15 +298,16 @@ pub(crate) trait Fields {
 
 /// Forwards an enum of structs to the fields of its current variant.
 macro_rules! variants {
-    ($model:ident { $($variant:ident($thing:ty)),* $(,)? }) => {
+    ($model:ident { $($variant:ident($thing:ty) $(| $other:ident)*),* $(,)? }) => {
         impl $model {
             /// All variants with their fields.
-            pub(crate) const VARIANTS: &'static [
-                (&'static str, &'static [$crate::scene::format::field::Field])
-            ] = &[$((
-                stringify!($variant),
-                <$thing as $crate::scene::format::field::Fields>::FIELDS,
-            )),*];
+            pub(crate) const VARIANTS: &'static [$crate::scene::format::thing::Variant] = &[$(
+                $crate::scene::format::thing::Variant {
+                    name: stringify!($variant),
+                    others: &[$(stringify!($other)),*],
+                    fields: <$thing as $crate::scene::format::field::Fields>::FIELDS,
+                },
+            )*];
 
             /// Calls `see` for every field that is given and has a value.
             #[inline]

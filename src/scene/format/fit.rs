@@ -56,7 +56,7 @@ object! {
     #[schemars(inline)]
     pub struct PerspectiveProjectionModel = "Perspective" {
         /// The full vertical angle of view in degrees, above 0 and below 180.
-        fov: Angle,
+        fov | alpha | angle | half_angle: Angle,
     }
 }
 

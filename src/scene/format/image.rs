@@ -20,7 +20,7 @@ object! {
         /// Number of samples per pixel, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
         /// They lie in a regular grid, and the pixel is their mean in linear light.
         #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>()))]
-        samples: Other(u32) = 1,
+        samples | spp: Other(u32) = 1,
         /// The exposure of a lit picture in stops, each of which doubles the light; 0 is the default.
         exposure: Stops = 0.0,
         /// The curve from the light of a lit picture to what a screen can show; `Clip` is the default.

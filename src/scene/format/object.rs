@@ -16,7 +16,8 @@
 //! }
 //! ```
 //!
-//! A field is required, or optional with a default, or optional without one (`?`); `?= value` is
+//! Behind a `|` stand the names that other programs, or the course, give a field: who writes one is told
+//! the name. A field is required, or optional with a default, or optional without one (`?`); `?= value` is
 //! for a field without a default that a track begins with a value. Behind the name of a field
 //! stands its [`Kind`], which determines its type; `Kind(Type)` has another type, and `Thing(Type)`
 //! has fields of its own, and `Choice(Type)` and `Other(Type)` are for what no number can set.
@@ -33,53 +34,53 @@ macro_rules! object {
 
     // One field after another, with a list of those before it.
     (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)?:
+        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
         $kind:ident $({ $most:expr })? $(($type:ty))? = $default:expr, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $head [$($done)* {
                 [$(#[$meta])* #[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] optional $kind [$($most)?] [$($type)?] [$default] [$default]
+                $field [$($rename)?] [$($other)*] optional $kind [$($most)?] [$($type)?] [$default] [$default]
             }] $($rest)*
         }
     };
     (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)?:
+        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
         $kind:ident $({ $most:expr })? $(($type:ty))? ?= $first:expr, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $head [$($done)* {
                 [$(#[$meta])* #[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] optional $kind [$($most)?] [$($type)?] [$first] []
+                $field [$($rename)?] [$($other)*] optional $kind [$($most)?] [$($type)?] [$first] []
             }] $($rest)*
         }
     };
     (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)?:
+        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
         $kind:ident $({ $most:expr })? $(($type:ty))? ?, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $head [$($done)* {
                 [$(#[$meta])* #[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] optional $kind [$($most)?] [$($type)?] [] []
+                $field [$($rename)?] [$($other)*] optional $kind [$($most)?] [$($type)?] [] []
             }] $($rest)*
         }
     };
     (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)?:
+        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
         $kind:ident $({ $most:expr })? $(($type:ty))?, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $head [$($done)* {
                 [$(#[$meta])* $(#[serde(rename = $rename)])?]
-                $field [$($rename)?] required $kind [$($most)?] [$($type)?] [] []
+                $field [$($rename)?] [$($other)*] required $kind [$($most)?] [$($type)?] [] []
             }] $($rest)*
         }
     };
 
     (@fields [$(#[$meta:meta])* $model:ident $name:literal] [$({
         [$($attributes:tt)*]
-        $field:ident [$($rename:literal)?] $given:ident $kind:ident [$($most:expr)?] $type:tt
+        $field:ident [$($rename:literal)?] $others:tt $given:ident $kind:ident [$($most:expr)?] $type:tt
         [$($first:expr)?] [$($default:expr)?]
     })*]) => {
         #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -96,7 +97,7 @@ macro_rules! object {
         impl $crate::scene::format::field::Fields for $model {
             const FIELDS: &'static [$crate::scene::format::field::Field] = &[$(
                 $crate::scene::format::object::object!(
-                    @field $field [$($rename)?] $kind [$($most)?] [$($default)?] [$($first)?] $type
+                    @field $field [$($rename)?] $others $kind [$($most)?] [$($default)?] [$($first)?] $type
                 ),
             )*];
 
@@ -111,7 +112,7 @@ macro_rules! object {
             ) {
                 $($crate::scene::format::object::object!(@each self see $field $kind {
                     $crate::scene::format::object::object!(
-                        @field $field [] $kind [$($most)?] [$($default)?] [$($first)?] $type
+                        @field $field [] $others $kind [$($most)?] [$($default)?] [$($first)?] $type
                     )
                 });)*
             }
@@ -163,9 +164,10 @@ macro_rules! object {
         }
     };
 
-    (@field $field:ident [$($rename:literal)?] $kind:ident [$($most:expr)?] [$($default:expr)?] $first:tt $type:tt) => {
+    (@field $field:ident [$($rename:literal)?] [$($other:ident)*] $kind:ident [$($most:expr)?] [$($default:expr)?] $first:tt $type:tt) => {
         $crate::scene::format::field::Field {
             name: $crate::scene::format::object::object!(@name $field $($rename)?),
+            others: &[$(stringify!($other)),*],
             kind: $crate::scene::format::object::object!(@kind $kind $($most)?),
             default: $crate::scene::format::object::object!(@default $($default)?),
             has_start: $crate::scene::format::object::object!(@has_start $first),

@@ -16,16 +16,16 @@ object! {
     #[schemars(inline)]
     pub struct OrthographicModel = "Orthographic" {
         /// The point that is the middle of the picture, where the rays start.
-        eye: Point,
+        eye | position | location | from | e: Point,
         /// The direction of view; this or `look_at`.
-        gaze: Direction?,
+        gaze | direction | g: Direction?,
         /// The point that is seen in the middle of the picture; this or `gaze`.
-        look_at: Point?,
+        look_at | target | to: Point?,
         /// The direction that is up in the picture; (0, 1, 0) is the default.
-        up: Direction = UP,
+        up | t | sky: Direction = UP,
         /// The height of the picture in units of the scene, above 0: s of the camera equation, from the
         /// center of the bottom row to that of the top row.
-        scale: Positive,
+        scale | s: Positive,
         /// True if the scale spans the width as well, so that pixels are not square; false is the
         /// default.
         stretch: Flag = false,

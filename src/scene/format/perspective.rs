@@ -19,16 +19,16 @@ object! {
     #[schemars(inline)]
     pub struct PerspectiveModel = "Perspective" {
         /// The point that the scene is seen from.
-        eye: Point,
+        eye | position | location | from | e: Point,
         /// The direction of view; this or `look_at`.
-        gaze: Direction?,
+        gaze | direction | g: Direction?,
         /// The point that is seen in the middle of the picture; this or `gaze`.
-        look_at: Point?,
+        look_at | target | to: Point?,
         /// The direction that is up in the picture; (0, 1, 0) is the default.
-        up: Direction = UP,
+        up | t | sky: Direction = UP,
         /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
         /// equation.
-        fov: Angle,
+        fov | alpha | angle | half_angle: Angle,
     }
 }
 

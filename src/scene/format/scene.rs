@@ -25,7 +25,7 @@ object! {
         /// More cameras, each by its name.
         cameras: Thing(CamerasModel)?,
         /// The color where no geometry is seen; black is the default.
-        background: Color = ColorModel::Channels([0.0; 3]),
+        background | background_color: Color = ColorModel::Channels([0.0; 3]),
         /// The lights. With this field, even without a light in it, the scene is lit; without it, each
         /// geometry shows its color.
         lights: Thing(Vec<LightModel>)?,
@@ -36,7 +36,7 @@ object! {
         /// Lines where one geometry ends before another; there are none by default.
         outlines: Thing(OutlinesModel)?,
         /// Everything that can be seen; at equal distance the first is in front.
-        geometries: Thing(Vec<GeometryModel>),
+        geometries | objects | shapes: Thing(Vec<GeometryModel>),
         /// The changes over time.
         animation: Thing(Box<AnimationModel>)?,
         /// Codes of warnings that this file does not want.

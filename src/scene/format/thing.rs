@@ -17,7 +17,7 @@ pub(crate) enum Type {
     /// An object with these fields.
     Object(&'static [Field]),
     /// One of several objects, each with its name.
-    OneOf(&'static [(&'static str, &'static [Field])]),
+    OneOf(&'static [Variant]),
     /// A list of things.
     List(fn() -> Type),
     /// Things by their names.
@@ -27,15 +27,24 @@ pub(crate) enum Type {
 impl Type {
     /// Returns the fields of the object, or those of all variants.
     pub(crate) fn fields(self) -> impl Iterator<Item = &'static Field> {
-        let (object, variants): (&[Field], &[(&str, &[Field])]) = match self {
+        let (object, variants): (&[Field], &[Variant]) = match self {
             Self::Object(fields) => (fields, &[]),
             Self::OneOf(variants) => (&[], variants),
             Self::List(_) | Self::Map(_) => (&[], &[]),
         };
         object
             .iter()
-            .chain(variants.iter().flat_map(|(_, fields)| *fields))
+            .chain(variants.iter().flat_map(|variant| variant.fields))
     }
+}
+
+/// One of several objects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Variant {
+    pub(crate) name: &'static str,
+    /// Its names in other programs.
+    pub(crate) others: &'static [&'static str],
+    pub(crate) fields: &'static [Field],
 }
 
 /// What a visitor of the things inside of another one sees; it may end the visit.

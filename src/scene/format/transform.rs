@@ -23,9 +23,9 @@ object! {
     #[derive(Default)]
     pub struct TransformModel = "Transform" {
         /// The shift; (0, 0, 0) is the default.
-        translate: Point = Triple::default(),
+        translate | translation | position | location: Point = Triple::default(),
         /// The rotation about an axis through the origin; none is the default.
-        rotate: Thing(RotateModel)?,
+        rotate | rotation: Thing(RotateModel)?,
         /// The factor of all lengths, or three factors along x, y and z; 1 is the default. A negative
         /// factor mirrors. 0 is not allowed.
         scale: Scale = ScaleModel::Uniform(1.0),

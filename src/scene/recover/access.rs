@@ -6,18 +6,19 @@ use serde::de::{DeserializeSeed, MapAccess, SeqAccess, value::MapDeserializer};
 
 use crate::{
     diagnostic::{
-        Code, Diagnostic,
+        Code, Diagnostic, Fix,
         path::{Step, Trail},
     },
     scene::{
         format::scene::Model,
+        near::{is_same_value, near},
         recover::{
-            Text, fix,
+            Text, elsewhere, fix,
             reader::{Fault, Reader, Value},
         },
     },
     text::{
-        nearest::{is_misspelt, list, nearest, quote},
+        nearest::{list, quote},
         syntax::{Children, Kind, NodeId, Syntax, Tree, name, string},
     },
 };
@@ -76,18 +77,24 @@ pub(super) fn given_fields(
     }
     for (key, value) in unknown {
         let spelt = name_of(document.text, document.tree, key);
-        let meant = document.nearest(&spelt, known, || {
-            nearest(&spelt, &writable(document, known))
-        });
         let taken = |field: &str| given.iter().any(|(other, _, _)| *other == field);
+        if let Some(other) = elsewhere::field(document, owner, &spelt, known) {
+            unknown_field(document, path, key, &spelt, known, (other.help, other.fix));
+            if let Some(field) = other.field.filter(|field| !taken(field)) {
+                given.push((field, key, Value::Given));
+            }
+            continue;
+        }
+        let meant = document.nearest(&spelt, known, || near(&spelt, &writable(document, known)));
         let meant = meant.map(|field| (field, taken(field)));
-        unknown_field(document, path, key, &spelt, meant, known);
+        let advice = advice(document, key, &spelt, meant);
+        unknown_field(document, path, key, &spelt, known, advice);
         let Some((field, false)) = meant else {
             continue;
         };
         // Reported once, as an unknown field: the field that was meant does not count as missing,
         // and its value is checked.
-        let value = if is_misspelt(&spelt) {
+        let value = if is_same_value(&spelt) {
             let mut notes = document.notes.borrow_mut();
             notes.repairs.renamed.insert((owner, field), (key, value));
             Value::Node(value)
@@ -144,15 +151,14 @@ fn writable(document: Text<'_>, known: &[&'static str]) -> Vec<&'static str> {
     known.iter().filter(can_be).copied().collect()
 }
 
-/// Reports an unknown field. `meant` is the field that the name resembles, with true if that field
-/// is given as well.
+/// Reports an unknown field, with a help and a fix.
 fn unknown_field(
     document: Text<'_>,
     path: &Trail<'_>,
     key: NodeId,
     spelt: &str,
-    meant: Option<(&str, bool)>,
     known: &[&'static str],
+    (help, fix): (String, Option<Fix>),
 ) {
     if document.is_counted(Code::UnknownField) {
         return;
@@ -162,24 +168,7 @@ fn unknown_field(
         known => format!("one of {}", list(known)),
     };
     let message = format!("unknown field {}, expected {expected}", quote(spelt));
-    let reads = format!(
-        "strahl {} reads version {} of the format",
-        env!("CARGO_PKG_VERSION"),
-        Model::VERSION
-    );
     let range = document.tree.node(key).range();
-    let (help, fix) = match meant {
-        Some((field, true)) => (format!("remove it: `{field}` is given ({reads})"), None),
-        Some(("fov", false)) if !is_misspelt(spelt) => {
-            let help = format!("write `fov`: fov = 2α, in degrees ({reads})");
-            (help, None)
-        }
-        Some((field, false)) => {
-            let help = format!("did you mean `{field}`? ({reads})");
-            (help, Some(fix::renamed(document, range.clone(), field)))
-        }
-        None => (format!("remove it ({reads})"), None),
-    };
     let diagnostic = Diagnostic::new(Code::UnknownField, range, message);
     document.note(
         diagnostic
@@ -187,6 +176,34 @@ fn unknown_field(
             .with_help(help)
             .with_fix(fix),
     );
+}
+
+/// Returns the help for an unknown field, and its fix. `meant` is the field that the name resembles,
+/// with true if that field is given as well.
+fn advice(
+    document: Text<'_>,
+    key: NodeId,
+    spelt: &str,
+    meant: Option<(&str, bool)>,
+) -> (String, Option<Fix>) {
+    let reads = format!(
+        "strahl {} reads version {} of the format",
+        env!("CARGO_PKG_VERSION"),
+        Model::VERSION
+    );
+    let range = document.tree.node(key).range();
+    match meant {
+        Some((field, true)) => (format!("remove it: `{field}` is given ({reads})"), None),
+        Some(("fov", false)) if !is_same_value(spelt) => {
+            let help = format!("write `fov`: fov = 2α, in degrees ({reads})");
+            (help, None)
+        }
+        Some((field, false)) => {
+            let help = format!("did you mean `{field}`? ({reads})");
+            (help, Some(fix::renamed(document, range, field)))
+        }
+        None => (format!("remove it ({reads})"), None),
+    }
 }
 
 /// The elements of a sequence.

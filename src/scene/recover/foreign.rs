@@ -6,6 +6,7 @@ use crate::{
     diagnostic::Fix,
     scene::{
         format::color_names,
+        near::near,
         recover::{
             Text,
             access::name_of,
@@ -15,7 +16,6 @@ use crate::{
     },
     text::{
         edit::Edit,
-        nearest::nearest,
         syntax::{Kind, NodeId, Syntax, float, string},
     },
 };
@@ -179,7 +179,7 @@ pub(super) fn tagged(document: Text<'_>, id: NodeId, variants: &[&'static str]) 
         Kind::Name => source.into(),
         _ => return None,
     };
-    let name = nearest(&spelt, variants)?;
+    let name = near(&spelt, variants)?;
     let range = node.range();
     let (open, help) = match tree.syntax() {
         Syntax::Ron => (

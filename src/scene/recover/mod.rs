@@ -14,6 +14,7 @@
 
 mod access;
 mod describe;
+mod elsewhere;
 mod entries;
 pub(crate) mod fix;
 mod foreign;

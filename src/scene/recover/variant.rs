@@ -10,16 +10,18 @@ use crate::{
     diagnostic::{Code, Diagnostic, Fix, path::Trail},
     scene::{
         format::geometry::solid::{OPERANDS, SOLIDS},
+        near::near,
         recover::{
             Text,
             access::{Elements, Fields, fields, given_fields, stand_ins},
+            elsewhere::absent,
             fix, foreign, nameless,
             reader::Fault,
         },
     },
     text::{
         edit::Edit,
-        nearest::{list, nearest, quote},
+        nearest::{list, quote},
         syntax::{Kind, NodeId, Syntax, name, string},
     },
 };
@@ -88,7 +90,8 @@ impl<'a, 'p> Variant<'a, 'p> {
             };
         }
         let variants = fitting(path, variants);
-        let meant = nearest(&spelt, variants);
+        let other = absent(&spelt);
+        let meant = near(&spelt, variants).filter(|_| other.is_none());
         let message = format!(
             "unknown variant {}, expected one of {}",
             quote(&spelt),
@@ -102,6 +105,7 @@ impl<'a, 'p> Variant<'a, 'p> {
             None if has_names(variants) && given.body.is_none() => {
                 by_name(document.tree.syntax(), document.slice(given.place.clone()))
             }
+            None if other.is_some() => other.unwrap_or_default(),
             None => format!(
                 "strahl {} has no others; choose one of these, or remove it",
                 env!("CARGO_PKG_VERSION")

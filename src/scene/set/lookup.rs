@@ -12,9 +12,9 @@ use crate::{
             scene::Model,
             thing::Thing,
         },
+        near::near,
         path,
     },
-    text::nearest::nearest,
 };
 
 /// The meaning of a word in the place of a [`Setting`](super::Setting)'s path.
@@ -59,7 +59,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     if let Some(path) = path_of(model, word) {
         return FieldLookup::Inside(path);
     }
-    if let Some(field) = nearest(word, &of_scene) {
+    if let Some(field) = near(word, &of_scene) {
         let meant = of_scene.into_iter().find(|name| *name == field);
         return meant.map_or(FieldLookup::Unknown, FieldLookup::Misspelt);
     }
@@ -69,7 +69,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
         ControlFlow::Continue(())
     });
     let names: Vec<_> = names.into_iter().collect();
-    let inside = nearest(word, &names).and_then(|field| path_of(model, field));
+    let inside = near(word, &names).and_then(|field| path_of(model, field));
     inside.map_or(FieldLookup::Unknown, FieldLookup::Inside)
 }
 

@@ -453,3 +453,54 @@ fn whole_floats() {
         assert!(!set("64.0").has_errors());
     }
 }
+
+#[test]
+fn fields_of_other_programs_are_written_as_here() {
+    for (geometry, fixed) in [
+        (
+            "Box(center: (1, 2, 3), size: (2, 1, 4), color: \"#0f0\")",
+            "Box(min: (0, 1.5, 1), max: (2, 2.5, 5), ",
+        ),
+        (
+            "Cube(side: 3, center: (0, 0, 0), color: \"#0f0\")",
+            "Box(max: (1.5, 1.5, 1.5), min: (-1.5, -1.5, -1.5), ",
+        ),
+        (
+            "Cylinder(center: (3, 1, 0), height: 2, radius: 1, color: \"#0f0\")",
+            "(from: (3, 0, 0), to: (3, 2, 0), ",
+        ),
+        (
+            "Cylinder(base: (0, 0, 0), cap: (0, 1, 0), r: 1, color: \"#0f0\")",
+            "(from: (0, 0, 0), to: (0, 1, 0), radius: 1",
+        ),
+        (
+            "Group(geometries: [Sphere(c: (0, 0, 0), r: 1, color: \"#0f0\")], translate: (0, 1, 0))",
+            "transform: (translate: (0, 1, 0)))",
+        ),
+        (
+            "Sphere(center: (0, 0, 0), radius: 1, material: Lambert(diffuse: \"#f00\"))",
+            "Matte(color: \"#f00\")",
+        ),
+    ] {
+        let text = scene(Syntax::Ron, "", geometry);
+        let mut document = Document::from_text("a", &*text, Syntax::Ron);
+        let (cured, _) = document.fixed().unwrap();
+        assert!(cured.contains(fixed), "{cured}");
+        let document = Document::from_text("a", &*cured, Syntax::Ron);
+        assert_eq!(document.diagnostics(), [], "{cured}");
+    }
+    // Nothing is written where a number would be lost or a comment.
+    for geometry in [
+        "Box(center: (0, 0, 0), size: (1, 1), color: \"#0f0\")",
+        "Box(center: (0, 0, 0 /* here */), size: 1, color: \"#0f0\")",
+        "Group(geometries: [], translate: (0, 1, 0), scale: 2)",
+    ] {
+        let text = scene(Syntax::Ron, "", geometry);
+        assert!(
+            Document::from_text("a", &*text, Syntax::Ron)
+                .fixed()
+                .is_none(),
+            "{geometry}"
+        );
+    }
+}

@@ -21,11 +21,11 @@ object! {
     #[schemars(inline)]
     pub struct CapsuleModel = "Capsule" {
         /// The center of the first end.
-        from: Point,
+        from | start | base: Point,
         /// The center of the other end.
-        to: Point,
+        to | end | cap: Point,
         /// The radius, above 0.
-        radius: Positive,
+        radius | r: Positive,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

@@ -21,13 +21,13 @@ object! {
     #[schemars(inline)]
     pub struct ConeModel = "Cone" {
         /// The middle of the first end.
-        from: Point,
+        from | start | base: Point,
         /// The middle of the other end, or the tip.
-        to: Point,
+        to | end | cap: Point,
         /// The radius of the first end, above 0.
-        radius: Positive,
+        radius | r | base_radius: Positive,
         /// The radius of the other end, at least 0. The default is 0: a tip.
-        top_radius: Distance = 0.0,
+        top_radius | cap_radius: Distance = 0.0,
         /// True if the ends are closed; the default. Otherwise it is open, and seen from both sides.
         capped: Flag = true,
         /// The color: a matte surface. Give this or `material`.

@@ -26,9 +26,9 @@ object! {
     #[schemars(inline)]
     pub struct BoxModel = "Box" {
         /// The corner with the smallest coordinates.
-        min: Point,
+        min | lower: Point,
         /// The corner with the largest coordinates: each is above that of `min`.
-        max: Point,
+        max | upper: Point,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

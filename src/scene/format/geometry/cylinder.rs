@@ -21,11 +21,11 @@ object! {
     #[schemars(inline)]
     pub struct CylinderModel = "Cylinder" {
         /// The middle of the first end.
-        from: Point,
+        from | start | base: Point,
         /// The middle of the other end.
-        to: Point,
+        to | end | cap: Point,
         /// The radius, above 0.
-        radius: Positive,
+        radius | r: Positive,
         /// True if the ends are closed; the default. Otherwise it is open, and seen from both sides.
         capped: Flag = true,
         /// The color: a matte surface. Give this or `material`.

@@ -14,14 +14,14 @@ object! {
         /// its parts. Its columns `x1`, `y1` and `z1` are the middle of the first end, `x2`, `y2` and `z2`
         /// that of the other.
         #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ])$"))]
-        file: Other(Box<str>),
+        file | csv | table | path: Other(Box<str>),
         /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
         /// first line is a row. A name that begins with `_` stands for a column to skip.
         columns: Other(Vec<Box<str>>)?,
         /// The array of an .npz file whose rows are read; required where several have rows of columns.
         array: Other(Box<str>)?,
         /// The radius of rows that have none, above 0; required where the table has none.
-        radius: Positive ?= 0.0,
+        radius | r: Positive ?= 0.0,
         /// True if the ends are closed; the default. Otherwise each is open, and seen from both sides.
         capped: Flag = true,
         /// The color of rows that have none; required where the table has none.

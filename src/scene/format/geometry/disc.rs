@@ -18,11 +18,11 @@ object! {
     pub struct DiscModel = "Disc" {
         /// The center.
         // Discs are few: boxed, so that no geometry needs more memory than a sphere.
-        center: Point(Box<Triple>),
+        center | position | location | c: Point(Box<Triple>),
         /// The direction that the disc is perpendicular to, of any length.
-        normal: Direction(Box<Triple>),
+        normal | n: Direction(Box<Triple>),
         /// The radius, above 0.
-        radius: Positive,
+        radius | r: Positive,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

@@ -27,11 +27,11 @@ object! {
     #[schemars(inline)]
     pub struct EllipsoidModel = "Ellipsoid" {
         /// The center.
-        center: Point,
+        center | position | location | c: Point,
         /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
         /// cannot change over time.
         #[schemars(extend("minItems" = 3, "maxItems" = 3), transform = no_axis_is_0)]
-        axes: Other(Vec<Triple>),
+        axes | radii: Other(Vec<Triple>),
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

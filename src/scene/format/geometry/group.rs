@@ -17,7 +17,7 @@ object! {
     #[schemars(inline)]
     pub struct GroupModel = "Group" {
         /// The geometries of the group; groups may be in groups.
-        geometries: Thing(Vec<GeometryModel>),
+        geometries | objects | shapes | children: Thing(Vec<GeometryModel>),
         /// The change of place, direction and size of its geometries, and of the lights of its parts.
         transform: Thing(Box<TransformModel>)?,
         /// The name of the group: no other geometry of the scene has it.

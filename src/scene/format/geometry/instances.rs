@@ -25,7 +25,7 @@ object! {
         /// optional are `scale`, above 0, and `angle` in degrees about the axis `axis_x`, `axis_y`,
         /// `axis_z`, which is (0, 1, 0) where the table has none.
         #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ])$"))]
-        file: Other(Box<str>)?,
+        file | csv | table | path: Other(Box<str>)?,
         /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
         /// first line is a row. A name that begins with `_` stands for a column to skip.
         columns: Other(Vec<Box<str>>)?,

@@ -32,13 +32,13 @@ object! {
         /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
         /// between its parts. Give this, or `vertices` and `triangles`.
         #[schemars(with = "Option<Box<str>>", regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$"))]
-        file: Other(MeshFileModel)?,
+        file | path: Other(MeshFileModel)?,
         /// The corners of the triangles. They cannot change over time.
-        vertices: Other(Vec<Triple>)?,
+        vertices | points | positions: Other(Vec<Triple>)?,
         /// The triangles: three numbers of `vertices` each, from 0. Seen from the outside of a closed
         /// mesh, they go around counterclockwise.
         #[schemars(extend("minItems" = 1))]
-        triangles: Other(Vec<[u32; 3]>)?,
+        triangles | faces | indices: Other(Vec<[u32; 3]>)?,
         /// True to shade it like a curved surface, with normals between those of the corners; false is the
         /// default. Its outline and its shadows remain those of the triangles.
         smooth: Flag = false,

@@ -9,7 +9,7 @@ object! {
         /// The scene file: a path from the folder of this file to a file .ron or .json, with `/`
         /// between its parts. It needs no camera.
         #[schemars(regex(pattern = r"\.([rR][oO][nN]|[jJ][sS][oO][nN])$"))]
-        file: Other(Box<str>),
+        file | path: Other(Box<str>),
         /// True to add its lights; false is the default. The light of this scene falls on the part in
         /// either case.
         lights: Flag = false,

@@ -17,10 +17,10 @@ object! {
     #[schemars(inline)]
     pub struct PlaneModel = "Plane" {
         /// A point of the plane.
-        point: Point,
+        point | position | location | a: Point,
         /// The direction that the plane is perpendicular to, of any length.
         // Planes are few: boxed, so that no geometry needs more memory than a sphere.
-        normal: Direction(Box<Triple>),
+        normal | n: Direction(Box<Triple>),
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

@@ -28,9 +28,9 @@ object! {
         /// A corner.
         corner: Point,
         /// The way from the corner to one of its neighbors.
-        edge_u: Way,
+        edge_u | u: Way,
         /// The way from the corner to the other one.
-        edge_v: Way,
+        edge_v | v: Way,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

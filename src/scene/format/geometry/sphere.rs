@@ -17,9 +17,9 @@ object! {
     #[schemars(inline)]
     pub struct SphereModel = "Sphere" {
         /// The center.
-        center: Point,
+        center | position | location | c: Point,
         /// The radius, above 0.
-        radius: Positive,
+        radius | r: Positive,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

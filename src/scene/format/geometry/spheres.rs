@@ -13,7 +13,7 @@ object! {
         /// The table: a path from the folder of the scene to a file .csv, .npy, .npz, .ply, .xyz or
         /// .pdb, with `/` between its parts.
         #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ]|[pP][lL][yY]|[xX][yY][zZ]|[pP][dD][bB])$"))]
-        file: Other(Box<str>),
+        file | csv | table | path: Other(Box<str>),
         /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
         /// first line is a row. A name that begins with `_` stands for a column to skip.
         columns: Other(Vec<Box<str>>)?,
@@ -21,7 +21,7 @@ object! {
         array: Other(Box<str>)?,
         /// The radius of rows that have none, above 0; required where the table has none. Of atoms, the
         /// radius of all of them.
-        radius: Positive ?= 0.0,
+        radius | r: Positive ?= 0.0,
         /// The color of rows that have none; required where the table has none. Of atoms, the color of
         /// all of them.
         color: Color ?= ColorModel::BLACK,

@@ -25,11 +25,11 @@ object! {
     #[schemars(inline)]
     pub struct TriangleModel = "Triangle" {
         /// The first corner.
-        a: Point,
+        a | v0: Point,
         /// The second corner.
-        b: Point,
+        b | v1: Point,
         /// The third corner.
-        c: Point,
+        c | v2: Point,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.

@@ -15,7 +15,7 @@ object! {
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,
         /// The intensity, from 0 to 1e12; 0.2 is the default.
-        intensity: Intensity = 0.2,
+        intensity | power | energy | strength: Intensity = 0.2,
         /// The name of the light: no other light of the scene has it.
         name: Name?,
     }

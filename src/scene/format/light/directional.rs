@@ -17,7 +17,7 @@ object! {
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,
         /// The intensity, from 0 to 1e12; 1 is the default; head-on it makes a white matte surface white.
-        intensity: Intensity = 1.0,
+        intensity | power | energy | strength: Intensity = 1.0,
         /// True if geometries cast shadows in this light; the default.
         shadows: Flag = true,
         /// The name of the light: no other light of the scene has it.

@@ -40,11 +40,11 @@ pub enum LightModel {
 
 variants! {
     LightModel {
-        Ambient(AmbientLightModel),
+        Ambient(AmbientLightModel) | AmbientLight,
         Headlight(HeadlightLightModel),
-        Directional(DirectionalLightModel),
-        Point(PointLightModel),
-        Spot(SpotLightModel),
+        Directional(DirectionalLightModel) | DirectionalLight | DistantLight | Sun,
+        Point(PointLightModel) | PointLight,
+        Spot(SpotLightModel) | SpotLight,
     }
 }
 

@@ -13,13 +13,13 @@ object! {
     #[schemars(inline)]
     pub struct PointLightModel = "Point" {
         /// The position.
-        position: Point,
+        position | location: Point,
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,
         /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
-        intensity: Intensity = 1.0,
+        intensity | power | energy | strength: Intensity = 1.0,
         /// The weakening by distance; `InverseSquare` is the default.
-        falloff: Choice(FalloffModel) = FalloffModel::InverseSquare,
+        falloff | decay: Choice(FalloffModel) = FalloffModel::InverseSquare,
         /// True if geometries cast shadows in this light; the default.
         shadows: Flag = true,
         /// The name of the light: no other light of the scene has it.

@@ -15,22 +15,22 @@ object! {
     #[schemars(inline)]
     pub struct SpotLightModel = "Spot" {
         /// The position.
-        position: Point,
+        position | location: Point,
         /// The direction of the middle of the cone, of any length; give this or `look_at`.
         direction: Direction?,
         /// The point that the middle of the cone is aimed at; give this or `direction`.
-        look_at: Point?,
+        look_at | point_at | target: Point?,
         /// The full angle of the cone in degrees, above 0 and below 180.
         angle: Angle,
         /// The part of the half angle over which the light fades at the edge, from 0 to 1; 0.15 is the
         /// default.
-        blend: Fraction = 0.15,
+        blend | penumbra: Fraction = 0.15,
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,
         /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
-        intensity: Intensity = 1.0,
+        intensity | power | energy | strength: Intensity = 1.0,
         /// The weakening by distance; `InverseSquare` is the default.
-        falloff: Choice(FalloffModel) = FalloffModel::InverseSquare,
+        falloff | decay: Choice(FalloffModel) = FalloffModel::InverseSquare,
         /// True if geometries cast shadows in this light; the default.
         shadows: Flag = true,
         /// The name of the light: no other light of the scene has it.

@@ -15,7 +15,7 @@ object! {
         /// The color.
         color: Color,
         /// The intensity, from 0 to 1e12; 1 is the default, which looks as `color`.
-        intensity: Intensity = 1.0,
+        intensity | strength: Intensity = 1.0,
     }
 }
 

@@ -15,7 +15,7 @@ object! {
         /// The color that refracted light is multiplied by at each surface; white is the default.
         color: Color = ColorModel::WHITE,
         /// The index of refraction, from 0.25 to 4; 1.5 is the default.
-        ior: Refraction = 1.5,
+        ior | index: Refraction = 1.5,
     }
 }
 

@@ -10,7 +10,7 @@ object! {
     #[schemars(inline)]
     pub struct MatteModel = "Matte" {
         /// The color.
-        color: Color,
+        color | diffuse: Color,
     }
 }
 

@@ -49,12 +49,12 @@ pub enum MaterialModel {
 
 variants! {
     MaterialModel {
-        Matte(MatteModel),
-        Phong(PhongModel),
-        Mirror(MirrorModel),
-        Glass(GlassModel),
-        Flat(FlatModel),
-        Emissive(EmissiveModel),
+        Matte(MatteModel) | Lambert | Lambertian | Diffuse | MeshLambertMaterial,
+        Phong(PhongModel) | MeshPhongMaterial,
+        Mirror(MirrorModel) | Metal,
+        Glass(GlassModel) | Dielectric,
+        Flat(FlatModel) | MeshBasicMaterial,
+        Emissive(EmissiveModel) | Emission,
         Named(NamedModel),
     }
 }

@@ -13,14 +13,14 @@ object! {
     #[schemars(inline)]
     pub struct PhongModel = "Phong" {
         /// The color of scattered light.
-        diffuse: Color,
+        diffuse | color: Color,
         /// The color of the highlight; `"#808080"` is the default.
         specular: Color = ColorModel::Hex([0x80; 3]),
         /// The exponent of the highlight, above 0 and at most 1e6: the larger, the smaller the highlight;
         /// 32 is the default.
-        exponent: Exponent = 32.0,
+        exponent | shininess: Exponent = 32.0,
         /// The part of the surroundings that it reflects; black, which is nothing, is the default.
-        reflection: Color = ColorModel::BLACK,
+        reflection | reflectivity: Color = ColorModel::BLACK,
     }
 }
 

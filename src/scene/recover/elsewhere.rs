@@ -1,0 +1,262 @@
+//! Fields that other programs describe a thing by, and what only other programs have.
+
+use crate::{
+    diagnostic::Fix,
+    scene::recover::{Text, access::name_of},
+    text::{
+        edit::Edit,
+        syntax::{Kind, NodeId, Syntax, float},
+    },
+};
+
+/// What is meant by a field: the help, its fix, and the field that it stands for.
+pub(super) struct Meant {
+    pub(super) help: String,
+    pub(super) fix: Option<Fix>,
+    pub(super) field: Option<&'static str>,
+}
+
+/// Returns what is meant by a field of `owner` that is not one of `known`, if other programs have it.
+pub(super) fn field(
+    document: Text<'_>,
+    owner: NodeId,
+    spelt: &str,
+    known: &[&'static str],
+) -> Option<Meant> {
+    let has = |fields: &[&str]| fields.iter().all(|field| known.contains(field));
+    let value = |names: &[&str]| {
+        let mut fields = document.tree.fields(owner);
+        fields.find(|(key, _)| names.contains(&&*name_of(document.text, document.tree, *key)))
+    };
+    let meant = |help: &str, fix, field| {
+        Some(Meant {
+            help: help.to_owned(),
+            fix,
+            field,
+        })
+    };
+    let (middle, sides) = (["center", "position"], ["size", "side", "dimensions"]);
+    let heights = ["height", "length"];
+    if has(&["min", "max"]) && (middle.contains(&spelt) || sides.contains(&spelt)) {
+        let is_first = middle.contains(&spelt);
+        let pair = value(&middle).zip(value(&sides)).filter(|_| is_first);
+        let fix = pair.and_then(|pair| corners(document, pair, ["min", "max"], |size| size));
+        let help =
+            "write two opposite corners, `min` and `max`: center - size / 2 and center + size / 2";
+        return meant(help, fix, Some(if is_first { "min" } else { "max" }));
+    }
+    if has(&["from", "to", "radius"]) && (middle.contains(&spelt) || heights.contains(&spelt)) {
+        let is_first = middle.contains(&spelt);
+        let pair = value(&middle).zip(value(&heights)).filter(|_| is_first);
+        let along = |[_, height, _]: [f64; 3]| [0.0, height, 0.0];
+        let fix = pair.and_then(|pair| corners(document, pair, ["from", "to"], along));
+        let help = "write the middles of both ends, `from` and `to`; along y: center - height / 2 and \
+                    center + height / 2";
+        return meant(help, fix, Some(if is_first { "from" } else { "to" }));
+    }
+    if has(&["point", "normal"]) && ["distance", "offset", "constant"].contains(&spelt) {
+        let help =
+            "write any point of the plane as `point`: the distance times the normal of length 1";
+        return meant(help, None, Some("point"));
+    }
+    let moves = ["translate", "rotate", "scale"];
+    if has(&["transform"]) && moves.contains(&spelt) {
+        let others = moves.iter().filter(|name| value(&[name]).is_some()).count();
+        let alone = value(&[spelt]).filter(|_| others == 1 && value(&["transform"]).is_none());
+        let fix = alone.map(|(key, value)| {
+            let end = document.tree.node(value).range().end;
+            let start = document.tree.node(key).range().start;
+            let [open, close] = match document.tree.syntax() {
+                Syntax::Ron => ["transform: (", ")"],
+                Syntax::Json => ["\"transform\": {", "}"],
+            };
+            Fix::safe([Edit::insert(start, open), Edit::insert(end, close)])
+        });
+        let help = match document.tree.syntax() {
+            Syntax::Ron => format!("write it in the transform: `transform: ({spelt}: …)`"),
+            Syntax::Json => {
+                format!("write it in the transform: `\"transform\": {{\"{spelt}\": …}}`")
+            }
+        };
+        return meant(&help, fix, None);
+    }
+    absent(spelt).and_then(|help| meant(&help, None, None))
+}
+
+/// The fix that writes two points in the place of a middle and of how far they are apart.
+fn corners(
+    document: Text<'_>,
+    (middle, apart): ((NodeId, NodeId), (NodeId, NodeId)),
+    names: [&str; 2],
+    along: impl Fn([f64; 3]) -> [f64; 3],
+) -> Option<Fix> {
+    let (center, size) = (
+        numbers(document, middle.1)?,
+        along(numbers(document, apart.1)?),
+    );
+    let edits =
+        [(middle, names[0], -0.5), (apart, names[1], 0.5)].map(|((key, value), name, half)| {
+            let [key, value] = [key, value].map(|id| document.tree.node(id).range());
+            let range = key.start..value.end;
+            let point = center
+                .iter()
+                .zip(size)
+                .map(|(center, size)| center + half * size);
+            let point: Vec<_> = point.map(|number| number.to_string()).collect();
+            let point = point.join(", ");
+            let has_comments = !document.tree.comments_in(range.clone()).is_empty();
+            (!has_comments).then(|| match document.tree.syntax() {
+                Syntax::Ron => Edit::replace(range, format!("{name}: ({point})")),
+                Syntax::Json => Edit::replace(range, format!("\"{name}\": [{point}]")),
+            })
+        });
+    let [Some(one), Some(other)] = edits else {
+        return None;
+    };
+    let mut edits = [one, other];
+    edits.sort_by_key(|edit| edit.range.start);
+    Some(Fix::safe(edits))
+}
+
+/// Returns three finite numbers; a single one stands for three that are equal.
+fn numbers(document: Text<'_>, id: NodeId) -> Option<[f64; 3]> {
+    let tree = document.tree;
+    let number = |id| {
+        let number = float(document.source(id), tree.syntax()).ok()?;
+        (tree.node(id).kind() == Kind::Number && number.is_finite()).then_some(number)
+    };
+    match tree.node(id).kind() {
+        Kind::Number => number(id).map(|number| [number; 3]),
+        Kind::Tuple | Kind::List if tree.node(id).name().is_none() => {
+            let all: Option<Vec<_>> = tree.children(id).map(number).collect();
+            all?.try_into().ok()
+        }
+        _ => None,
+    }
+}
+
+/// What only other programs have, with the nearest way here.
+const ABSENT: &[(&[&str], &str)] = &[
+    (
+        &[
+            "torus",
+            "prism",
+            "lathe",
+            "heightfield",
+            "height_field",
+            "blob",
+            "bicubic_patch",
+            "nurbs",
+            "isosurface",
+            "text",
+            "superellipsoid",
+            "julia_fractal",
+            "sor",
+        ],
+        "this shape is not supported; write it as triangles to a PLY, OBJ or STL file, for `Mesh(file: …)`",
+    ),
+    (
+        &[
+            "texture",
+            "textures",
+            "pigment",
+            "finish",
+            "map",
+            "normal_map",
+            "bump",
+            "bump_map",
+            "uv",
+            "image_map",
+            "checker",
+            "noise",
+        ],
+        "textures are not supported; give a `color`, a `material`, or colors of vertices in a mesh file",
+    ),
+    (
+        &[
+            "gltf", "glb", "fbx", "usd", "collada", "dae", "blend", "3ds",
+        ],
+        "these files are not read; convert them to PLY, OBJ or STL, for `Mesh(file: …)`",
+    ),
+    (
+        &[
+            "for", "while", "loop", "repeat", "array", "if", "macro", "declare", "define", "let",
+            "var",
+        ],
+        "a scene is data, without loops and variables; use `Instances`, a table, or write the file with a \
+         script",
+    ),
+    (
+        &[
+            "area_light",
+            "arealight",
+            "rectarealight",
+            "hemispherelight",
+            "quadlight",
+        ],
+        "lights without a size are the only ones; use `Point`, `Spot`, `Directional` or `Ambient`",
+    ),
+    (
+        &[
+            "skybox",
+            "sky_sphere",
+            "environment",
+            "environment_map",
+            "envmap",
+            "hdri",
+            "fog",
+            "media",
+            "volume",
+            "atmosphere",
+        ],
+        "what surrounds a scene is one color, its `background`",
+    ),
+    (
+        &[
+            "aperture",
+            "focal_point",
+            "focus_distance",
+            "focal_blur",
+            "dof",
+            "lens_radius",
+            "shutter",
+            "motion_blur",
+        ],
+        "all cameras are pinholes or parallel, and everything is sharp",
+    ),
+    (
+        &[
+            "near",
+            "far",
+            "near_clip",
+            "far_clip",
+            "clip_start",
+            "clip_end",
+        ],
+        "nothing is clipped; remove it",
+    ),
+    (
+        &["aspect", "aspect_ratio", "right"],
+        "the shape of the picture is that of `image`: its `width` and `height`",
+    ),
+    (
+        &["global_settings", "max_trace_level", "max_bounces"],
+        "the depth of reflections is `lighting: Direct(max_depth: …)`",
+    ),
+];
+
+/// Returns the help for something that only other programs have.
+pub(super) fn absent(spelt: &str) -> Option<String> {
+    let name = spelt.to_ascii_lowercase();
+    let name = name.trim_start_matches('#');
+    let (_, help) = ABSENT.iter().find(|(names, _)| names.contains(&name))?;
+    Some(format!("{help}; see {PAGE}"))
+}
+
+/// The page about other programs.
+const PAGE: &str = concat!(
+    env!("CARGO_PKG_REPOSITORY"),
+    "/blob/v",
+    env!("CARGO_PKG_VERSION"),
+    "/docs/coming-from.md"
+);
