@@ -40,8 +40,13 @@ impl Rng {
     }
 }
 
-/// Returns the number of cases to test: `STRAHL_CASES` if set, else `default`.
-pub(crate) fn cases(default: usize) -> usize {
+/// Returns the number of cases to test: `STRAHL_CASES` if set, else a quarter of `whole`, or all of it
+/// with `STRAHL_FULL`.
+pub(crate) fn cases(whole: usize) -> usize {
     let given = std::env::var("STRAHL_CASES").ok();
-    given.and_then(|n| n.parse().ok()).unwrap_or(default)
+    let few = match std::env::var_os("STRAHL_FULL") {
+        Some(_) => whole,
+        None => whole.div_ceil(4),
+    };
+    given.and_then(|n| n.parse().ok()).unwrap_or(few)
 }
