@@ -23,7 +23,7 @@ pub(crate) const UP: Triple = [0.0, 1.0, 0.0];
 pub enum CameraModel {
     /// A pinhole camera: all rays start at the eye.
     Perspective(PerspectiveModel),
-    /// A camera of parallel rays: what is far is as large as what is near.
+    /// A camera with parallel rays: distance does not change size.
     Orthographic(OrthographicModel),
     /// A camera that frames all bounded geometries.
     Fit(FitModel),

@@ -12,14 +12,14 @@ use crate::{
 };
 
 object! {
-    /// A camera of parallel rays: what is far is as large as what is near.
+    /// A camera with parallel rays: distance does not change size.
     #[schemars(inline)]
     pub struct OrthographicModel = "Orthographic" {
         /// The point that is the middle of the picture, where the rays start.
         eye | position | location | from | e: Point,
-        /// The direction of view; this or `look_at`.
+        /// The direction of view; give this or `look_at`.
         gaze | direction | g: Direction?,
-        /// The point that is seen in the middle of the picture; this or `gaze`.
+        /// The point in the middle of the picture; give this or `gaze`.
         look_at | target | to: Point?,
         /// The direction that is up in the picture; (0, 1, 0) is the default.
         up | t | sky: Direction = UP,

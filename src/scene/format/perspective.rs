@@ -18,11 +18,11 @@ object! {
     /// A pinhole camera: all rays start at the eye.
     #[schemars(inline)]
     pub struct PerspectiveModel = "Perspective" {
-        /// The point that the scene is seen from.
+        /// The viewpoint.
         eye | position | location | from | e: Point,
-        /// The direction of view; this or `look_at`.
+        /// The direction of view; give this or `look_at`.
         gaze | direction | g: Direction?,
-        /// The point that is seen in the middle of the picture; this or `gaze`.
+        /// The point in the middle of the picture; give this or `gaze`.
         look_at | target | to: Point?,
         /// The direction that is up in the picture; (0, 1, 0) is the default.
         up | t | sky: Direction = UP,

@@ -24,7 +24,7 @@ object! {
         camera: Thing(CameraModel)?,
         /// More cameras, each by its name.
         cameras: Thing(CamerasModel)?,
-        /// The color where no geometry is seen; black is the default.
+        /// The color where rays hit nothing; black is the default.
         background | background_color: Color = ColorModel::Channels([0.0; 3]),
         /// The lights. With this field, even without a light in it, the scene is lit; without it, each
         /// geometry shows its color.
@@ -35,7 +35,7 @@ object! {
         lighting: Thing(LightingModel)?,
         /// Lines where one geometry ends before another; there are none by default.
         outlines: Thing(OutlinesModel)?,
-        /// Everything that can be seen; at equal distance the first is in front.
+        /// The geometries; at equal distance, the first is in front.
         geometries | objects | shapes: Thing(Vec<GeometryModel>),
         /// The changes over time.
         animation: Thing(Box<AnimationModel>)?,

@@ -97,13 +97,13 @@ macro_rules! lights {
 }
 
 lights! {
-    /// Light from everywhere, which is never in shadow.
+    /// Light from everywhere; it casts no shadows.
     Ambient = "ambient",
     /// Light along whatever ray arrives, which is never in shadow.
     Headlight = "headlight",
     /// Parallel light, as from the sun.
     Directional = "directional",
-    /// Light from a point to all sides.
+    /// Light from a point in all directions.
     Point = "point",
     /// A cone of light from a point.
     Spot = "spot",

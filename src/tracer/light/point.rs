@@ -13,7 +13,7 @@ use crate::tracer::{
     vector::{finite, unit},
 };
 
-/// Light from a point to all sides.
+/// Light from a point in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     pub(super) glow: Glow,

@@ -1,4 +1,4 @@
-//! A round bar with round ends.
+//! A capsule: a cylinder with hemispherical ends.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! A ball that is stretched along three axes.
+//! An ellipsoid.
 
 use glam::DVec3;
 

@@ -19,7 +19,7 @@ use crate::tracer::{
     vector::{finite, is_direction, unit, weighted},
 };
 
-/// Triangles that share their corners, seen from both sides.
+/// A triangle mesh, seen from both sides.
 ///
 /// A ray hits what it hits of the triangles alone, as [`Triangle`](super::Triangle) defines it: the
 /// smallest `t`, and at equal `t` the triangle that comes first. Face `i` is triangle `i`. A triangle

@@ -219,13 +219,13 @@ shapes! {
     Triangle(Arc<Triangle>) = "triangle",
     /// A box along the axes of the world.
     Cuboid(Arc<Cuboid>) = "box",
-    /// A round bar.
+    /// A cylinder.
     Cylinder(Arc<Cylinder>) = "cylinder",
     /// A cone or the frustum of one.
     Cone(Arc<Cone>) = "cone",
-    /// A round bar with round ends.
+    /// A capsule: a cylinder with hemispherical ends.
     Capsule(Arc<Capsule>) = "capsule",
-    /// A ball that is stretched along three axes.
+    /// An ellipsoid.
     Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
     /// Triangles that share their corners.
     Mesh(Arc<Mesh>) = "mesh",

@@ -17,10 +17,10 @@ use crate::{
 };
 
 object! {
-    /// A cone, or a part of one.
+    /// A cone, or a truncated cone.
     #[schemars(inline)]
     pub struct ConeModel = "Cone" {
-        /// The middle of the first end.
+        /// The center of the first end.
         from | start | base: Point,
         /// The middle of the other end, or the tip.
         to | end | cap: Point,

@@ -17,12 +17,12 @@ use crate::{
 };
 
 object! {
-    /// A round bar.
+    /// A cylinder.
     #[schemars(inline)]
     pub struct CylinderModel = "Cylinder" {
-        /// The middle of the first end.
+        /// The center of the first end.
         from | start | base: Point,
-        /// The middle of the other end.
+        /// The center of the other end.
         to | end | cap: Point,
         /// The radius, above 0.
         radius | r: Positive,

@@ -13,7 +13,7 @@ use crate::{
 };
 
 object! {
-    /// A round piece of a plane, seen from both sides.
+    /// A disc, seen from both sides.
     #[schemars(inline)]
     pub struct DiscModel = "Disc" {
         /// The center.

@@ -23,7 +23,7 @@ use crate::{
 };
 
 object! {
-    /// A ball that is stretched along three axes.
+    /// An ellipsoid.
     #[schemars(inline)]
     pub struct EllipsoidModel = "Ellipsoid" {
         /// The center.

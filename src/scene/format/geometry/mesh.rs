@@ -26,7 +26,7 @@ use crate::{
 };
 
 object! {
-    /// Triangles that share their corners, seen from both sides.
+    /// A triangle mesh, seen from both sides.
     #[schemars(inline)]
     pub struct MeshModel = "Mesh" {
         /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`

@@ -64,7 +64,7 @@ use crate::{
     },
 };
 
-/// Something that can be seen.
+/// A geometry.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Geometry", deny_unknown_fields)]
 pub enum GeometryModel {
@@ -72,7 +72,7 @@ pub enum GeometryModel {
     Plane(PlaneModel),
     /// A sphere.
     Sphere(SphereModel),
-    /// A round piece of a plane, seen from both sides.
+    /// A disc, seen from both sides.
     Disc(DiscModel),
     /// A parallelogram, seen from both sides.
     Rectangle(Box<RectangleModel>),
@@ -80,15 +80,15 @@ pub enum GeometryModel {
     Triangle(Box<TriangleModel>),
     /// A box along the axes.
     Box(Box<BoxModel>),
-    /// A round bar.
+    /// A cylinder.
     Cylinder(Box<CylinderModel>),
-    /// A cone, or a part of one.
+    /// A cone, or a truncated cone.
     Cone(Box<ConeModel>),
-    /// A round bar with round ends.
+    /// A capsule: a cylinder with hemispherical ends.
     Capsule(Box<CapsuleModel>),
-    /// A ball that is stretched along three axes.
+    /// An ellipsoid.
     Ellipsoid(Box<EllipsoidModel>),
-    /// Triangles that share their corners, seen from both sides.
+    /// A triangle mesh, seen from both sides.
     Mesh(Box<MeshModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
@@ -101,11 +101,11 @@ pub enum GeometryModel {
     Group(GroupModel),
     /// Copies of another geometry.
     Instances(Box<InstancesModel>),
-    /// All points that are in some of several solids.
+    /// The union of several solids.
     Union(Box<UnionModel>),
-    /// The points that are in all of several solids.
+    /// The intersection of several solids.
     Intersection(Box<IntersectionModel>),
-    /// What is left of a solid from which others are cut.
+    /// The difference of a solid and others.
     Difference(Box<DifferenceModel>),
 }
 

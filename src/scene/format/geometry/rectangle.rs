@@ -27,9 +27,9 @@ object! {
     pub struct RectangleModel = "Rectangle" {
         /// A corner.
         corner: Point,
-        /// The way from the corner to one of its neighbors.
+        /// The edge from the corner to one of its neighbors.
         edge_u | u: Way,
-        /// The way from the corner to the other one.
+        /// The edge from the corner to the other neighbor.
         edge_v | v: Way,
         /// The color: a matte surface. Give this or `material`.
         color: Color?,

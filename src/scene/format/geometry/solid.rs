@@ -43,7 +43,7 @@ pub(crate) const COMBINED: &[&str] = SOLIDS.split_at(SOLIDS.len() - 3).1;
 pub(crate) const OPERANDS: &[&str] = &["of", "minus"];
 
 object! {
-    /// All points that are in some of several solids.
+    /// The union of several solids.
     #[schemars(inline)]
     pub struct UnionModel = "Union" {
         /// The solids.
@@ -60,7 +60,7 @@ object! {
 }
 
 object! {
-    /// The points that are in all of several solids.
+    /// The intersection of several solids.
     #[schemars(inline)]
     pub struct IntersectionModel = "Intersection" {
         /// The solids.
@@ -77,7 +77,7 @@ object! {
 }
 
 object! {
-    /// What is left of a solid from which others are cut.
+    /// The difference of a solid and others.
     #[schemars(inline)]
     pub struct DifferenceModel = "Difference" {
         /// The solid that is cut.

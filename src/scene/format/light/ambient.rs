@@ -9,7 +9,7 @@ use crate::{
 };
 
 object! {
-    /// Light from everywhere, which is never in shadow.
+    /// Light from everywhere; it casts no shadows.
     #[schemars(inline)]
     pub struct AmbientLightModel = "Ambient" {
         /// The color; white is the default.

@@ -9,7 +9,7 @@ use crate::{
 };
 
 object! {
-    /// Light along whatever ray arrives, a mirrored one too. It is never in shadow.
+    /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
     #[derive(Default)]
     #[schemars(inline)]
     pub struct HeadlightLightModel = "Headlight" {

@@ -26,13 +26,13 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Light", deny_unknown_fields)]
 pub enum LightModel {
-    /// Light from everywhere, which is never in shadow.
+    /// Light from everywhere; it casts no shadows.
     Ambient(AmbientLightModel),
-    /// Light along whatever ray arrives, a mirrored one too. It is never in shadow.
+    /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
     Headlight(HeadlightLightModel),
     /// Parallel light, as from the sun.
     Directional(DirectionalLightModel),
-    /// Light from a point to all sides.
+    /// Light from a point in all directions.
     Point(PointLightModel),
     /// A cone of light from a point.
     Spot(SpotLightModel),

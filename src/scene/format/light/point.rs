@@ -9,7 +9,7 @@ use crate::{
 };
 
 object! {
-    /// Light from a point to all sides.
+    /// Light from a point in all directions.
     #[schemars(inline)]
     pub struct PointLightModel = "Point" {
         /// The position.

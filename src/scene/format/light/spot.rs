@@ -16,9 +16,9 @@ object! {
     pub struct SpotLightModel = "Spot" {
         /// The position.
         position | location: Point,
-        /// The direction of the middle of the cone, of any length; give this or `look_at`.
+        /// The direction of the cone's axis, of any length; give this or `look_at`.
         direction: Direction?,
-        /// The point that the middle of the cone is aimed at; give this or `direction`.
+        /// The point that the cone's axis goes through; give this or `direction`.
         look_at | point_at | target: Point?,
         /// The full angle of the cone in degrees, above 0 and below 180.
         angle: Angle,
