@@ -12,11 +12,11 @@ use crate::{
     parallel::Cancel,
     scene::{
         animation::frames::Frames,
-        build,
         format::{
             camera::CameraModel, field::Slot, fit::FitModel, geometry::nesting::Ordinal,
             scene::Model, thing::Thing,
         },
+        movers::Movers,
         tables::Tables,
     },
     tracer::{
@@ -147,6 +147,8 @@ struct Content<'a> {
     moving: Option<(&'a Frames, Vec<Ordinal>, Model)>,
     /// The tables, with the largest of the default radii that they ever have.
     tables: Option<Tables>,
+    /// What moves, as it is searched.
+    movers: Movers,
     /// The frames that are looked at.
     numbers: Vec<u32>,
 }
@@ -172,10 +174,23 @@ impl<'a> Content<'a> {
             turntable: frames.and_then(|frames| frames.turntable(&numbers)),
             moving,
             tables: None,
+            movers: Movers::default(),
             numbers,
         };
         content.tables = content.largest_tables();
+        content.movers = content.movers();
         content
+    }
+
+    fn movers(&self) -> Movers {
+        let (Some((frames, moved, shown)), Subject::Scene(_, tables)) =
+            (&self.moving, self.framing.subject)
+        else {
+            return Movers::default();
+        };
+        let tables = self.tables.as_ref().unwrap_or(tables);
+        let is_cancelled = || self.framing.is_cancelled();
+        Movers::new(frames, moved, (shown, tables), &is_cancelled)
     }
 
     /// Returns the tables with the largest of their default radii, if these change.
@@ -241,24 +256,19 @@ impl<'a> Content<'a> {
                 rest.any(|leaf| tables.any_shape(&leaf, |shape| add(shape, always.clone())));
             }
         }
-        if let (Some((frames, moved, shown)), Subject::Scene(_, tables)) =
+        if let (Some((frames, _, shown)), Subject::Scene(_, tables)) =
             (&mut self.moving, framing.subject)
         {
             let tables = self.tables.as_ref().unwrap_or(tables);
-            let mut parts = tables.some_parts(moved);
+            let mut parts = self.movers.parts(tables);
             for (place, number) in self.numbers.iter().enumerate() {
                 if framing.is_cancelled() {
                     break;
                 }
                 frames.show(*number, shown);
-                // A part that a frame cannot place is an error of that frame.
-                let _ = parts.place(shown);
-                build::renew_copies(shown, &mut parts);
-                let mut leaves = moved.iter().filter_map(|at| shown.leaf(*at));
-                leaves.any(|leaf| {
-                    let tables = if parts.has(leaf.at) { &parts } else { tables };
-                    tables.any_shape(&leaf, |shape| add(shape, place..place + 1))
-                });
+                let turned = turntable.map(|turntable| (turntable, place));
+                self.movers
+                    .add(&mut extremes, shown, (tables, &mut parts), turned);
             }
         }
         extremes
@@ -270,6 +280,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::scene::build;
     use crate::tracer::random::{Rng, cases};
 
     fn scene(geometries: &[serde_json::Value], animation: serde_json::Value) -> Model {
@@ -297,13 +308,18 @@ mod tests {
 
     /// Returns the number of frames that are looked at, and checks that all frames reach no farther.
     fn looked_at(model: &Model, directions: &[DVec3]) -> usize {
-        let (tables, frames) = (Tables::default(), Frames::of(model).unwrap());
+        let (mut tables, frames) = (Tables::default(), Frames::of(model).unwrap());
+        build::add_copies(model, &mut tables, |_, _| true);
         let (known, cancel) = (Known::default(), Cancel::new());
         let framing = framing(model, (&tables, &frames), &known, &cancel);
         let mut few = Content::new(&framing);
         let mut all = Content::new(&framing);
         all.numbers = (0..frames.count()).collect();
         all.turntable = frames.turntable(&all.numbers);
+        assert_eq!(
+            few.search(directions).found(),
+            one_by_one(&mut few, directions).found()
+        );
         let distances = |content: &mut Content| content.search(directions).distances();
         for (few, all) in distances(&mut few).into_iter().zip(distances(&mut all)) {
             assert!(
@@ -312,6 +328,35 @@ mod tests {
             );
         }
         few.numbers.len()
+    }
+
+    /// Adds each shape at each frame that is looked at, those that move after the others.
+    fn one_by_one(content: &mut Content, directions: &[DVec3]) -> Extremes {
+        let mut extremes = Extremes::new(directions);
+        let Subject::Scene(model, tables) = content.framing.subject else {
+            return extremes;
+        };
+        let (frames, mut tables) = (content.framing.frames.unwrap(), tables.clone());
+        let mut add = |shape: &Shape, places: Range<usize>| {
+            match &content.turntable {
+                None => extremes.add(shape),
+                Some(turns) => extremes.add_turned(shape, turns, places),
+            }
+            false
+        };
+        let moved = frames.moved_leaves(model);
+        for leaf in model.leaves().filter(|leaf| !moved.contains(&leaf.at)) {
+            tables.any_shape(&leaf, |shape| add(shape, 0..content.numbers.len()));
+        }
+        let mut shown = frames.copy(model);
+        for (place, number) in content.numbers.iter().enumerate() {
+            frames.show(*number, &mut shown);
+            build::renew_copies(&shown, &mut tables);
+            for leaf in shown.leaves().filter(|leaf| moved.contains(&leaf.at)) {
+                tables.any_shape(&leaf, |shape| add(shape, place..place + 1));
+            }
+        }
+        extremes
     }
 
     fn sphere() -> serde_json::Value {
@@ -358,7 +403,19 @@ mod tests {
                     "min": [-1, -2, -3], "max": [1, 2, 3], "color": "#f00",
                 }}],
             }});
-            let geometries = [sphere(), group, sphere()];
+            let copies = json!({"Group": {
+                "transform": {"rotate": {"axis": [1, 0, 2], "angle": 0}},
+                "geometries": [
+                    {"Instances": {"of": "one", "transforms": [
+                        {}, {"translate": [2, 0, 0]}, {"scale": 2}, {"translate": [0, -1, 3]},
+                    ]}},
+                    sphere(),
+                    {"Group": {"geometries": [sphere()]}},
+                ],
+            }});
+            let mut one = sphere();
+            one["Sphere"]["name"] = json!("one");
+            let geometries = [one, group, sphere(), copies];
             let mut tracks = serde_json::Map::new();
             for (path, kind) in [
                 ("geometries[0].center", 3),
@@ -368,6 +425,9 @@ mod tests {
                 ("geometries[1].transform.rotate.angle", 1),
                 ("geometries[1].geometries[0].center[1]", 1),
                 ("geometries[2].center[0]", 1),
+                ("geometries[3].transform.rotate.angle", 1),
+                ("geometries[3].geometries[0].transforms[1].translate", 3),
+                ("geometries[3].geometries[1].radius", 1),
                 ("geometries[2].center[2]", 1),
             ] {
                 if rng.below(3) > 0 {

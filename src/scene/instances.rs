@@ -7,7 +7,11 @@ use crate::{
         geometry::{GeometryModel, InstancesModel, nesting::Ordinal, placement::Placement},
         scene::Model,
     },
-    tracer::{error::GeometryError, geometry::Geometry, shape::instances::Rows},
+    tracer::{
+        error::GeometryError,
+        geometry::Geometry,
+        shape::{Shape, instances::Rows},
+    },
 };
 
 /// Copies of a geometry.
@@ -20,6 +24,9 @@ pub(crate) struct Instances {
     /// invalid, or if there are none.
     all: Option<Geometry>,
 }
+
+/// The largest number of copies that are shapes for themselves, each of some hundred bytes.
+const MOST_APART: usize = 1 << 18;
 
 /// The reason why a name is not that of a geometry that can be copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +124,17 @@ impl Instances {
     /// The number of copies.
     pub(crate) fn count(&self) -> usize {
         self.all.as_ref().map_or(0, Geometry::count)
+    }
+
+    /// Returns true if each copy can be a shape for itself.
+    pub(crate) fn are_few(&self) -> bool {
+        self.count() <= MOST_APART
+    }
+
+    /// Returns each copy as a shape for itself.
+    pub(crate) fn each(&self) -> impl Iterator<Item = Shape> {
+        let all = self.all.as_ref().and_then(|all| all.shape().copies());
+        all.into_iter().flat_map(|all| all.each())
     }
 
     /// Returns all copies, placed by what is around them; `None` if there are none.

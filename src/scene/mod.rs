@@ -18,6 +18,7 @@ mod loaded;
 pub(crate) mod locate;
 pub(crate) mod mesh_file;
 mod meshes;
+mod movers;
 pub(crate) mod names;
 mod near;
 mod nested;

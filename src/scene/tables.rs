@@ -412,6 +412,20 @@ impl Tables {
         }
     }
 
+    /// The same for the shapes before they are placed by what is around the leaf, each copy of copies
+    /// for itself.
+    pub(crate) fn any_own_shape(&self, leaf: &Leaf, mut is_it: impl FnMut(Shape) -> bool) -> bool {
+        match self.0.get(&leaf.at) {
+            None => leaf.geometry.shape().is_some_and(is_it),
+            Some(Content::Table(table, ..)) => table.any_row(|row| row.shape.is_ok_and(&mut is_it)),
+            Some(Content::Part { read, .. }) => {
+                let mut geometries = read.geometries.iter();
+                geometries.any(|geometry| is_it(geometry.shape().clone()))
+            }
+            Some(Content::Instances(instances, ..)) => instances.each().any(is_it),
+        }
+    }
+
     fn any_of_file(&self, leaf: &Leaf, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
         if let Some(part) = self.part(leaf.at) {
             let mut geometries = part.geometries.iter();

@@ -13,7 +13,10 @@ use crate::{
             camera::CameraModel,
             cameras::CamerasModel,
             field::{Kind, Slot},
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{
+                GeometryModel,
+                nesting::{Leaf, Ordinal},
+            },
             scene::Model,
         },
         instances::Prototypes,
@@ -130,12 +133,22 @@ impl Frames {
         if moved.iter().all(is_leaf) {
             return moved;
         }
-        let leaves = model.leaves().map(|leaf| leaf.at);
-        let moves = |at: &Ordinal| {
-            let mut moved = moved.iter();
-            moved.any(|moved| moved == at || model.holds(*moved, *at) || model.holds(*at, *moved))
+        let mut outermost: Vec<RangeInclusive<Ordinal>> = Vec::new();
+        for at in &moved {
+            if !outermost.last().is_some_and(|last| last.contains(at)) {
+                outermost.extend(model.geometry(*at).map(|geometry| span(*at, geometry)));
+            }
+        }
+        let moves = |leaf: &Leaf| {
+            let inside = span(leaf.at, leaf.geometry);
+            let before = outermost.partition_point(|around| around.start() <= &leaf.at);
+            let around = before.checked_sub(1).and_then(|last| outermost.get(last));
+            let next = moved.get(moved.partition_point(|at| *at < leaf.at));
+            around.is_some_and(|around| around.contains(&leaf.at))
+                || next.is_some_and(|next| inside.contains(next))
         };
-        leaves.filter(moves).collect()
+        let leaves = model.leaves().filter(moves);
+        leaves.map(|leaf| leaf.at).collect()
     }
 
     /// Returns the geometries that move or change their size, in ascending order.
@@ -267,9 +280,13 @@ fn copies(model: &Model) -> Vec<(Ordinal, RangeInclusive<Ordinal>)> {
     let mut prototypes = Prototypes::new(model);
     let copies = lists.into_iter().filter_map(|(at, named)| {
         let of = prototypes.of(&named.of, at).ok()?;
-        let total = model.geometry(of).map_or(1, GeometryModel::total);
-        let inner = of.inner + total - 1;
-        Some((at, of..=Ordinal { inner, ..of }))
+        Some((at, span(of, model.geometry(of)?)))
     });
     copies.collect()
+}
+
+/// Returns the numbers of a geometry and of those inside of it.
+fn span(at: Ordinal, geometry: &GeometryModel) -> RangeInclusive<Ordinal> {
+    let inner = at.inner + geometry.total() - 1;
+    at..=Ordinal { inner, ..at }
 }

@@ -16,7 +16,11 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use crate::tracer::{
-    camera::{basis::Basis, orthographic::pixels},
+    camera::{
+        basis::Basis,
+        orthographic::pixels,
+        rigid::{Farthest, Place, Rigid},
+    },
     error::GeometryError,
     shape::{Extent, Shape},
     vector::{positive, unit},
@@ -143,6 +147,46 @@ impl Extremes {
                 }
             }
         }
+    }
+
+    /// Adds shapes that move as one, at a place; `None` of a turntable is a camera that stands still.
+    pub(crate) fn add_rigid(
+        &mut self,
+        rigid: &Rigid,
+        place: &mut Place,
+        turned: Option<(&Turntable, usize)>,
+    ) {
+        let turned =
+            turned.and_then(|(table, frame)| Some((table.around, *table.turns.get(frame)?)));
+        for (n, found) in self.directions.iter().zip(&mut self.found) {
+            let mut farthest = Farthest::than(found.0);
+            match turned {
+                None => {
+                    let see = |p: DVec3| (p.dot(*n), p);
+                    rigid.search(place, *n, (0.0, 0.0), see, &mut farthest);
+                }
+                Some((around, turn)) => {
+                    let toward = turn * *n;
+                    let beyond = around.dot(*n) - around.dot(toward);
+                    let see = |p: DVec3| {
+                        let p = around + turn.transpose() * (p - around);
+                        (p.dot(*n), p)
+                    };
+                    let error = SLACK * around.length();
+                    rigid.search(place, toward, (beyond, error), see, &mut farthest);
+                }
+            }
+            self.is_finite &= farthest.is_finite;
+            if let Some(p) = farthest.point() {
+                *found = (farthest.far, p);
+            }
+        }
+    }
+
+    /// Returns true if all numbers are finite, and the largest `p·n` of each direction with its point.
+    #[cfg(test)]
+    pub(crate) fn found(&self) -> (bool, &[(f64, DVec3)]) {
+        (self.is_finite, &self.found)
     }
 
     /// Returns the largest `p·n` of each direction.

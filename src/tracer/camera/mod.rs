@@ -9,6 +9,7 @@ pub(crate) mod fit;
 pub(crate) mod matrices;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;
+pub(crate) mod rigid;
 
 use glam::DVec3;
 

@@ -61,6 +61,14 @@ impl Placement {
         }
     }
 
+    /// Returns true if both are of one group, or of groups without transforms in it.
+    pub(crate) fn is_of_group(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        }
+    }
+
     /// Places a shape.
     ///
     /// # Errors

@@ -150,6 +150,20 @@ impl Instances {
         Self::of_rows(self.shapes().cloned(), rows.into())
     }
 
+    /// Returns each copy for itself; none if not all are finite.
+    pub(crate) fn each(&self) -> impl Iterator<Item = Shape> {
+        let rows = self.around.iter().flat_map(|_| self.rows.iter());
+        rows.map(|rows| {
+            let one = Self {
+                prototype: Arc::clone(&self.prototype),
+                rows: vec![*rows].into(),
+                index: Indexed::none(),
+                ..*self
+            };
+            one.into()
+        })
+    }
+
     /// The number of copies.
     #[inline]
     pub fn len(&self) -> usize {
@@ -242,24 +256,43 @@ impl Instances {
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.around?;
-        let mut farthest: Option<DVec3> = None;
-        for copy in 0..self.len() {
-            let transform = self.transform(copy)?;
-            // Most copies lie far behind another.
-            if let (Extent::Ball(center, radius), Some(known)) =
-                (self.inner?.mapped(&transform)?.extent(), farthest)
-                && (center - known).dot(direction) + radius < 0.0
-            {
-                continue;
+        let ball = |copy: usize| {
+            let around = self.inner?.mapped(&self.transform(copy)?)?;
+            match around.extent() {
+                Extent::Ball(center, radius) => Some((center, radius)),
+                Extent::Plane(_) => None,
             }
+        };
+        let support = |copy: usize| {
+            let transform = self.transform(copy)?;
             let along = transform.steepest(direction);
+            let mut farthest: Option<DVec3> = None;
             for shape in self.shapes() {
                 let point = transform.point(shape.support(along)?);
                 let is_nearer = |known: &DVec3| known.dot(direction) >= point.dot(direction);
                 farthest = farthest.filter(is_nearer).or(Some(point));
             }
+            farthest
+        };
+        let balls: Vec<_> = (0..self.len()).map(ball).collect::<Option<_>>()?;
+        // Most copies lie far behind the one whose ball reaches farthest.
+        let reaches = balls.iter().enumerate();
+        let reaches =
+            reaches.map(|(copy, (center, radius))| (center.dot(direction) + radius, copy));
+        let (_, mut at) = reaches.max_by(|one, other| one.0.total_cmp(&other.0))?;
+        let mut farthest = support(at)?;
+        for (copy, (center, radius)) in balls.into_iter().enumerate() {
+            if copy == at || (center - farthest).dot(direction) + radius < 0.0 {
+                continue;
+            }
+            let point = support(copy)?;
+            let [known, this] = [farthest, point].map(|point| point.dot(direction));
+            // Of equal ones, the first.
+            if this > known || (this == known && copy < at) {
+                (at, farthest) = (copy, point);
+            }
         }
-        farthest
+        Some(farthest)
     }
 
     /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits a copy.
