@@ -31,7 +31,10 @@ use crate::{
         tables::{self, Tables},
         validate::{self, Aspects, StandIns},
     },
-    text::{nearest::quote, syntax::Syntax},
+    text::{
+        nearest::quote,
+        syntax::{Syntax, max_faults},
+    },
 };
 
 /// The result of checking a text.
@@ -248,10 +251,16 @@ pub(super) fn check(
         let message = "this is a report that strahl wrote, not a scene";
         return Checked::refused(vec![Diagnostic::new(Code::Syntax, range, message)]);
     }
-    if !tree.faults().is_empty() {
-        let faults = tree.faults().iter();
+    let faults = tree.faults();
+    let refused = || {
+        let faults = faults.iter();
         let faults = faults.map(|fault| recover::nameless::fault(text, tree, fault));
-        return Checked::refused(faults.collect());
+        Checked::refused(faults.collect())
+    };
+    // Around a broken value all is known, unless there are so many faults that some are not.
+    let is_known = faults.len() < max_faults(text.len());
+    if !faults.iter().all(|fault| fault.is_of_value && is_known) {
+        return refused();
     }
     let Recovered {
         model,
@@ -261,6 +270,9 @@ pub(super) fn check(
     } = watch.time(Stage::Read, || {
         recover::recover(text, tree, options.most_diagnostics())
     });
+    if diagnostics.is_empty() && !faults.is_empty() {
+        return refused();
+    }
     let (mut more, mut needs) = (Suppressed::default(), Needs::default());
     if let Some(model) = model {
         if diagnostics.is_empty() {
@@ -302,7 +314,10 @@ pub(super) fn check(
             .iter()
             .any(|fault| fault.code == Code::UnsupportedVersion)
         {
-            return Checked::refused(placed);
+            diagnostics.retain(|fault| fault.code == Code::Syntax);
+            diagnostics.extend(placed);
+            sort(&mut diagnostics);
+            return Checked::refused(diagnostics);
         }
         diagnostics.extend(placed);
         diagnostics = sorted(diagnostics, &found.model, levels);

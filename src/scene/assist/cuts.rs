@@ -79,8 +79,10 @@ impl Cuts {
         let found = found.iter().cloned();
         let found = found.map(|fault| fault.moved(|range| self.outer(range)));
         let mut found: Vec<_> = found.collect();
-        // A text with syntax faults has no others.
-        if found.iter().any(|fault| fault.code == Code::Syntax) {
+        // A text with syntax faults has no others, except for those of values.
+        let is_alone =
+            |fault: &Diagnostic| fault.code == Code::Syntax && fault.path.steps().is_empty();
+        if found.iter().any(is_alone) {
             return found;
         }
         found.retain(|fault| !depends_on_others(fault));

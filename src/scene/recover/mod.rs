@@ -36,7 +36,7 @@ pub(crate) use access::name_of;
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
     scene::{
-        problem::Tally,
+        problem::{Tally, syntax_fault},
         recover::reader::{Reader, Value},
     },
     text::syntax::{NodeId, Tree},
@@ -59,7 +59,7 @@ pub(crate) struct Repairs {
     pub(crate) renamed: HashMap<(NodeId, &'static str), (NodeId, NodeId)>,
 }
 
-/// Reads a model, or a part of one, from a tree without syntax faults. At most `most` faults of
+/// Reads a model, or a part of one, from a tree whose syntax faults are those of values. At most `most` faults of
 /// each kind are kept.
 pub(crate) fn recover<'de, T: Deserialize<'de>>(
     text: &str,
@@ -170,6 +170,16 @@ impl<'a> Text<'a> {
     fn replace(self, id: NodeId, diagnostic: Diagnostic) {
         self.note(diagnostic);
         self.notes.borrow_mut().repairs.replaced.insert(id);
+    }
+
+    /// Reports a value that is not read as one, and that a stand-in replaces.
+    fn broken(self, id: NodeId, path: &Trail<'_>) {
+        let range = self.tree.node(id).range();
+        let faults = self.tree.faults();
+        let first = faults.partition_point(|fault| fault.range.start < range.start);
+        if let Some(fault) = faults.get(first) {
+            self.replace(id, syntax_fault(fault).with_path(path));
+        }
     }
 
     fn wrong_type(self, id: NodeId, path: &Trail<'_>, expected: impl fmt::Display) -> Diagnostic {

@@ -67,9 +67,13 @@ impl de::Error for Fault {
 }
 
 impl<'a> Reader<'a, '_> {
-    /// Returns the node, if there is one; reports a missing field.
+    /// Returns the node, if there is one; reports a missing field and a broken value.
     fn node(&self) -> Option<NodeId> {
         match &self.value {
+            Value::Node(id) if self.kind(*id) == Kind::Error => {
+                self.document.broken(*id, &self.path);
+                None
+            }
             Value::Node(id) => Some(*id),
             Value::Missing { .. } if self.document.is_counted(Code::MissingField) => None,
             Value::Missing { field, place } => {

@@ -504,3 +504,56 @@ fn fields_of_other_programs_are_written_as_here() {
         );
     }
 }
+
+#[test]
+fn a_broken_value_hides_no_other_fault() {
+    use crate::diagnostic::Code;
+    let faults = |text: &str, syntax| {
+        let document = Document::from_text("a", text, syntax);
+        let faults = document.diagnostics().iter();
+        let faults = faults.map(|fault| (fault.code, text[fault.range.clone()].to_owned()));
+        faults.collect::<Vec<_>>()
+    };
+    let of = |code: Code, place: &str| (code, place.to_owned());
+    let unknown = || of(Code::UnknownField, "colour_of");
+    for (value, place) in [
+        ("1/2", "1/2"),
+        ("50%", "%"),
+        ("0.5*x", "*"),
+        ("2*sqrt(2)", "*"),
+        ("50% + 3%", "%"),
+        ("2^3", "^"),
+        ("1.2.3", "1.2.3"),
+        ("60deg", "60deg"),
+    ] {
+        let other = "Sphere(center: (0, 0, 0), radius: 1, color: \"#f00\", colour_of: 1)";
+        let balls = format!("{}, {other}", ball(&format!("radius: {value}")));
+        let text = scene(Syntax::Ron, "", &balls);
+        let expected = [of(Code::Syntax, place), unknown()];
+        assert_eq!(faults(&text, Syntax::Ron), expected, "{text}");
+    }
+    // A call is one value.
+    for value in ["hsl(120, 50%, 50%)", "rgb(1/2, 50%, 0)"] {
+        let text = scene(Syntax::Ron, "", &ball(&format!("color: {value}")));
+        assert_eq!(faults(&text, Syntax::Ron), [of(Code::WrongType, value)]);
+    }
+    let json = scene(
+        Syntax::Json,
+        "",
+        r##"{"Sphere": {"center": [0, 1/2, 5%], "radius": 0, "color": "#f00"}}"##,
+    );
+    let places = [
+        ("1/2", Code::Syntax),
+        ("%", Code::Syntax),
+        ("0", Code::OutOfRange),
+    ];
+    let expected = places.map(|(place, code)| of(code, place));
+    assert_eq!(faults(&json, Syntax::Json), expected);
+    // Around a missing bracket, nothing is known.
+    let text = scene(Syntax::Ron, "", "Sphere(radius: 1/2, colour_of: 1");
+    let found = faults(&text, Syntax::Ron);
+    assert!(
+        found.iter().all(|(code, _)| *code == Code::Syntax),
+        "{found:?}"
+    );
+}

@@ -43,6 +43,24 @@ impl Lexer<'_> {
             && self.rest().trim_ascii_start().starts_with(')')
     }
 
+    /// Returns the end of an expression that goes on here, if a comma or a closing bracket is behind it.
+    pub(super) fn expression_end(&self) -> Option<usize> {
+        let rest = self.rest().as_bytes();
+        let mut depth = 0_usize;
+        for (at, byte) in rest.iter().enumerate().take(LONGEST) {
+            match byte {
+                b'(' => depth += 1,
+                b')' if depth > 0 => depth -= 1,
+                b',' if depth > 0 => {}
+                b',' | b')' | b']' | b'}' => return (depth == 0).then_some(self.pos + at),
+                b'/' if matches!(rest.get(at + 1), Some(b'/' | b'*')) => return None,
+                _ if byte.is_ascii_alphanumeric() || b"_.+-*/%^ ".contains(byte) => {}
+                _ => return None,
+            }
+        }
+        None
+    }
+
     /// Consumes and reports the expression that begins at an offset, if there is one.
     #[cold]
     pub(super) fn arithmetic(&mut self, start: usize) -> bool {

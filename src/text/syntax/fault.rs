@@ -20,6 +20,8 @@ pub(crate) struct Fault {
     pub(crate) fix: Vec<Edit>,
     /// The first value of a variant whose values lack the names of their fields, if that is the fault.
     pub(crate) nameless: Option<NodeId>,
+    /// True if only a value is broken: an error node stands for it, and all else is in the tree.
+    pub(crate) is_of_value: bool,
     /// The habit, if the fault occurs throughout the file.
     pub(super) habit: Option<Habit>,
 }
@@ -102,9 +104,20 @@ impl Faults {
             label: label.map(|(r, l)| (r.start as usize..r.end as usize, l.to_owned())),
             fix: Vec::new(),
             nameless: None,
+            is_of_value: false,
             habit: None,
         });
         self.list.last_mut()
+    }
+
+    /// Notes that only a value is broken, by the start of its fault.
+    pub(crate) fn blame_value(&mut self, start: u32) {
+        let start = start as usize;
+        let last = self.list.iter_mut().rev();
+        let mut last = last.take_while(|fault| fault.range.start >= start);
+        if let Some(fault) = last.find(|fault| fault.range.start == start) {
+            fault.is_of_value = true;
+        }
     }
 
     /// Returns true if the last fault or its label starts at an offset.

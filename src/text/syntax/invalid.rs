@@ -48,7 +48,7 @@ impl Lexer<'_> {
             '#' if self.rest().starts_with("#!") => "attributes belong at the start of a file",
             '#' => "a color is a string: put it in quotes",
             '…' => "write every value out",
-            '/' | '*' if self.follows_value(start) => {
+            '/' | '*' | '^' if self.follows_value(start) => {
                 "arithmetic is not evaluated: write the value"
             }
             '%' if self.follows_value(start) => {
@@ -92,6 +92,9 @@ impl Lexer<'_> {
             help,
         );
         cure(fault, quoted);
+        if "*/%^".contains(c) && self.follows_value(start) {
+            self.pos = self.expression_end().unwrap_or(self.pos);
+        }
         TokenKind::Unknown
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::frame::{Closed, Frame, Layout, Suspect};
 use super::lexer::{Bracket, Lexer, Token, TokenKind, shorten};
 use super::trivia;
-use super::value::starts_value;
+use super::value::{ends_value, starts_value};
 use super::{
     MAX_DEPTH, attribute,
     fault::{Fault, cure},
@@ -97,6 +97,7 @@ impl<'t> Parser<'t> {
                 label: None,
                 fix: Vec::new(),
                 nameless: None,
+                is_of_value: false,
                 habit: None,
             }];
             return Tree {
@@ -369,6 +370,7 @@ impl<'t> Parser<'t> {
                 State::Item
             }
             TokenKind::Unknown => {
+                self.spoil_value();
                 self.advance();
                 if starts_value(self.token.kind) && !self.token.fresh {
                     self.blame();
@@ -392,6 +394,20 @@ impl<'t> Parser<'t> {
                 State::Item
             }
             _ => self.missing_comma(),
+        }
+    }
+
+    /// Takes an unreadable token behind a value as a part of it, if nothing else follows.
+    fn spoil_value(&mut self) {
+        let token = self.token;
+        let is_last = !token.fresh && ends_value(self.peek().kind);
+        let end = self.previous_end;
+        if is_last
+            && let Some(node) = self.nodes.last_mut()
+            && node.end == end
+        {
+            (node.kind, node.end) = (Kind::Error, token.end);
+            self.lexer.faults.blame_value(token.start);
         }
     }
 

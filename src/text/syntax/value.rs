@@ -45,6 +45,9 @@ impl Parser<'_> {
                     self.advance();
                     return State::Value;
                 }
+                if ends_value(next.kind) {
+                    self.lexer.faults.blame_value(token.start);
+                }
                 self.leaf(Kind::Error)
             }
             TokenKind::Colon | TokenKind::Equals => {
@@ -214,6 +217,11 @@ impl Parser<'_> {
             self.after_value()
         }
     }
+}
+
+/// Returns true for what follows a whole value.
+pub(super) fn ends_value(kind: TokenKind) -> bool {
+    matches!(kind, TokenKind::Comma | TokenKind::Close(_))
 }
 
 pub(super) fn starts_value(kind: TokenKind) -> bool {
