@@ -335,6 +335,6 @@ mod tests {
                 );
             }
         }
-        assert!(met.iter().all(|count| *count > 1000), "{met:?}");
+        assert!(met.iter().all(|count| *count > 100), "{met:?}");
     }
 }
