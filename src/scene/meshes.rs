@@ -53,7 +53,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
         let Some(GeometryModel::Mesh(geometry)) = model.geometry_mut(at) else {
             continue;
         };
-        let (is_smooth, by) = (geometry.is_smooth(), geometry.color_by.clone());
+        let (is_smooth, by) = (geometry.smooth(), geometry.color_by.clone());
         let colors = geometry.may_have_colors() && by.is_none();
         let named = geometry.file.as_mut();
         let Some(named) = named.filter(|_| !options.is_cancelled()) else {

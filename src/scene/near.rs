@@ -56,5 +56,14 @@ pub(crate) fn near<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 
 /// Returns true if the value of the name of another program is that of the name here.
 pub(crate) fn is_same_value(name: &str) -> bool {
-    !["alpha", "angle", "half_angle", "radii"].contains(&name)
+    ![
+        "alpha",
+        "angle",
+        "decay",
+        "energy",
+        "half_angle",
+        "power",
+        "radii",
+    ]
+    .contains(&name)
 }

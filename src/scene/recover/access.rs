@@ -198,6 +198,11 @@ fn advice(
             let help = format!("write `fov`: fov = 2α, in degrees ({reads})");
             (help, None)
         }
+        Some((field, false)) if !is_same_value(spelt) => {
+            let spelt = quote(spelt);
+            let help = format!("write `{field}`; its value is not that of {spelt} ({reads})");
+            (help, None)
+        }
         Some((field, false)) => {
             let help = format!("did you mean `{field}`? ({reads})");
             (help, Some(fix::renamed(document, range, field)))

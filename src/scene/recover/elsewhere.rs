@@ -1,4 +1,4 @@
-//! Fields that other programs describe a thing by, and what only other programs have.
+//! Fields by which other programs describe a shape, and what only other programs have.
 
 use crate::{
     diagnostic::Fix,
@@ -50,13 +50,13 @@ pub(super) fn field(
         let pair = value(&middle).zip(value(&heights)).filter(|_| is_first);
         let along = |[_, height, _]: [f64; 3]| [0.0, height, 0.0];
         let fix = pair.and_then(|pair| corners(document, pair, ["from", "to"], along));
-        let help = "write the middles of both ends, `from` and `to`; along y: center - height / 2 and \
-                    center + height / 2";
+        let help = "write the centers of both ends, `from` and `to`; for a cylinder along y, these are \
+                    height / 2 below and above its center";
         return meant(help, fix, Some(if is_first { "from" } else { "to" }));
     }
     if has(&["point", "normal"]) && ["distance", "offset", "constant"].contains(&spelt) {
         let help =
-            "write any point of the plane as `point`: the distance times the normal of length 1";
+            "write any point of the plane as `point`, such as the distance times the unit normal";
         return meant(help, None, Some("point"));
     }
     let moves = ["translate", "rotate", "scale"];
@@ -80,10 +80,13 @@ pub(super) fn field(
         };
         return meant(&help, fix, None);
     }
-    absent(spelt).and_then(|help| meant(&help, None, None))
+    // A movie may be meant to repeat.
+    let is_movie = has(&["frames"]);
+    let absent = absent(spelt).filter(|_| !is_movie);
+    absent.and_then(|help| meant(&help, None, None))
 }
 
-/// The fix that writes two points in the place of a middle and of how far they are apart.
+/// Returns the fix that replaces a center and a size by two points.
 fn corners(
     document: Text<'_>,
     (middle, apart): ((NodeId, NodeId), (NodeId, NodeId)),
@@ -135,112 +138,47 @@ fn numbers(document: Text<'_>, id: NodeId) -> Option<[f64; 3]> {
     }
 }
 
-/// What only other programs have, with the nearest way here.
-const ABSENT: &[(&[&str], &str)] = &[
+/// Names of what only other programs have, in lower case, with the nearest way here.
+const ABSENT: &[(&str, &str)] = &[
     (
-        &[
-            "torus",
-            "prism",
-            "lathe",
-            "heightfield",
-            "height_field",
-            "blob",
-            "bicubic_patch",
-            "nurbs",
-            "isosurface",
-            "text",
-            "superellipsoid",
-            "julia_fractal",
-            "sor",
-        ],
-        "this shape is not supported; write it as triangles to a PLY, OBJ or STL file, for `Mesh(file: …)`",
+        "torus prism lathe heightfield height_field blob bicubic_patch nurbs isosurface text superellipsoid \
+         julia_fractal sor",
+        "this shape is not supported; export it as a PLY, OBJ or STL file and use `Mesh(file: …)`",
     ),
     (
-        &[
-            "texture",
-            "textures",
-            "pigment",
-            "finish",
-            "map",
-            "normal_map",
-            "bump",
-            "bump_map",
-            "uv",
-            "image_map",
-            "checker",
-            "noise",
-        ],
+        "texture textures pigment finish map normal_map bump bump_map uv image_map checker noise",
         "textures are not supported; give a `color`, a `material`, or colors of vertices in a mesh file",
     ),
     (
-        &[
-            "gltf", "glb", "fbx", "usd", "collada", "dae", "blend", "3ds",
-        ],
-        "these files are not read; convert them to PLY, OBJ or STL, for `Mesh(file: …)`",
+        "gltf glb fbx usd collada dae blend 3ds",
+        "this file format is not supported; convert the file to PLY, OBJ or STL and use `Mesh(file: …)`",
     ),
     (
-        &[
-            "for", "while", "loop", "repeat", "array", "if", "macro", "declare", "define", "let",
-            "var",
-        ],
-        "a scene is data, without loops and variables; use `Instances`, a table, or write the file with a \
-         script",
+        "for while loop repeat array if macro declare define let var",
+        "loops and variables are not supported; use `Instances`, a table, or write the file with a script",
     ),
     (
-        &[
-            "area_light",
-            "arealight",
-            "rectarealight",
-            "hemispherelight",
-            "quadlight",
-        ],
-        "lights without a size are the only ones; use `Point`, `Spot`, `Directional` or `Ambient`",
+        "area_light arealight rectarealight hemispherelight quadlight",
+        "lights with a size are not supported; use `Point`, `Spot`, `Directional` or `Ambient`",
     ),
     (
-        &[
-            "skybox",
-            "sky_sphere",
-            "environment",
-            "environment_map",
-            "envmap",
-            "hdri",
-            "fog",
-            "media",
-            "volume",
-            "atmosphere",
-        ],
-        "what surrounds a scene is one color, its `background`",
+        "skybox sky_sphere environment environment_map envmap hdri fog media volume atmosphere",
+        "the surroundings of a scene are one color, `background`",
     ),
     (
-        &[
-            "aperture",
-            "focal_point",
-            "focus_distance",
-            "focal_blur",
-            "dof",
-            "lens_radius",
-            "shutter",
-            "motion_blur",
-        ],
-        "all cameras are pinholes or parallel, and everything is sharp",
+        "aperture focal_point focus_distance focal_blur dof lens_radius shutter motion_blur",
+        "depth of field and motion blur are not supported; remove it",
     ),
     (
-        &[
-            "near",
-            "far",
-            "near_clip",
-            "far_clip",
-            "clip_start",
-            "clip_end",
-        ],
+        "near far near_clip far_clip clip_start clip_end",
         "nothing is clipped; remove it",
     ),
     (
-        &["aspect", "aspect_ratio", "right"],
-        "the shape of the picture is that of `image`: its `width` and `height`",
+        "aspect aspect_ratio right",
+        "the aspect ratio is that of the picture: `width` and `height` of `image`",
     ),
     (
-        &["global_settings", "max_trace_level", "max_bounces"],
+        "global_settings max_trace_level max_bounces",
         "the depth of reflections is `lighting: Direct(max_depth: …)`",
     ),
 ];
@@ -249,7 +187,8 @@ const ABSENT: &[(&[&str], &str)] = &[
 pub(super) fn absent(spelt: &str) -> Option<String> {
     let name = spelt.to_ascii_lowercase();
     let name = name.trim_start_matches('#');
-    let (_, help) = ABSENT.iter().find(|(names, _)| names.contains(&name))?;
+    let mut absent = ABSENT.iter();
+    let (_, help) = absent.find(|(names, _)| names.split(' ').any(|other| other == name))?;
     Some(format!("{help}; see {PAGE}"))
 }
 

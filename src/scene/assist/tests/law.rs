@@ -1,7 +1,12 @@
 //! The law of paths: whatever leads from a path to a value, or from a value to a path, knows the same
 //! paths. Those of the format's description are compared with all of them, in every scene here.
 
-use std::{collections::BTreeSet, fs, ops::ControlFlow, path::Path as File};
+use std::{
+    collections::BTreeSet,
+    fs,
+    ops::{ControlFlow, Range},
+    path::Path as File,
+};
 
 use serde_json::{Value, json};
 
@@ -17,7 +22,7 @@ use crate::{
         set::{Applied, Setting},
         tests::oracle,
     },
-    text::syntax::{Syntax, parse},
+    text::syntax::{Syntax, Tree, parse},
 };
 
 /// The valid scenes of the tests, read.
@@ -139,55 +144,47 @@ fn completion_offers_the_paths_that_a_track_accepts() {
     }
 }
 
-#[test]
-fn a_value_is_found_by_its_path_and_its_path_by_the_value() {
+/// Calls `see` with every field that is given in a scene, the text of the scene in either syntax, and
+/// the range of the field's value.
+fn each_given(see: &mut dyn FnMut(&str, &Tree, Found, Range<usize>)) {
     for (file, model) in scenes() {
         for syntax in [Syntax::Ron, Syntax::Json] {
             let text = convert::write(&model, syntax);
             let tree = parse(&text, syntax);
             each(&model, &mut |found| {
-                let range = range_of(&text, &tree, found.path.steps());
-                if !found.is_given {
-                    return;
+                if found.is_given {
+                    let range = range_of(&text, &tree, found.path.steps());
+                    let range = range.unwrap_or_else(|| panic!("{file}: {}", found.path));
+                    see(&text, &tree, found, range);
                 }
-                let range = range.unwrap_or_else(|| panic!("{file}: {}", found.path));
-                let back = path_at(&text, &tree, range.start);
-                assert!(
-                    back.steps().starts_with(found.path.steps()),
-                    "{file}: {back} for {}",
-                    found.path
-                );
             });
         }
     }
 }
 
 #[test]
+fn a_value_is_found_by_its_path_and_its_path_by_the_value() {
+    each_given(&mut |text, tree, found, range| {
+        let (path, back) = (found.path, path_at(text, tree, range.start));
+        assert!(
+            back.steps().starts_with(path.steps()),
+            "{back} for {path} in {text}"
+        );
+    });
+}
+
+#[test]
 fn a_value_that_is_set_to_itself_changes_nothing() {
-    for (file, model) in scenes() {
-        for syntax in [Syntax::Ron, Syntax::Json] {
-            let text = convert::write(&model, syntax);
-            let tree = parse(&text, syntax);
-            each(&model, &mut |found| {
-                let range = range_of(&text, &tree, found.path.steps());
-                let Some(range) = range.filter(|_| found.is_given) else {
-                    return;
-                };
-                let setting = format!("{}={}", found.path, &text[range]);
-                let setting = [setting.parse::<Setting>().unwrap()];
-                let mut changed = found.model.clone();
-                let faults = Applied::to(&mut changed, &setting, syntax)
-                    .placed(Vec::new())
-                    .0;
-                assert!(
-                    faults.iter().all(Vec::is_empty),
-                    "{file}: {}: {faults:?}",
-                    setting[0].text()
-                );
-                assert_eq!(changed, *found.model, "{file}: {}", setting[0].text());
-            });
-        }
-    }
+    each_given(&mut |text, tree, found, range| {
+        let setting = format!("{}={}", found.path, &text[range]);
+        let setting = [setting.parse::<Setting>().unwrap()];
+        let mut changed = found.model.clone();
+        let applied = Applied::to(&mut changed, &setting, tree.syntax());
+        let (faults, _) = applied.placed(Vec::new());
+        let setting = setting[0].text();
+        assert!(faults.iter().all(Vec::is_empty), "{setting}: {faults:?}");
+        assert_eq!(changed, *found.model, "{setting}");
+    });
 }
 
 #[test]

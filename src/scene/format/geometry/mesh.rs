@@ -108,7 +108,7 @@ impl Kind for MeshModel {
             None => {
                 let vertices = self.vertices().iter().copied().map(DVec3::from);
                 let mesh = Mesh::new(vertices.collect(), self.triangles().to_vec());
-                Some(mesh.map(|mesh| match self.is_smooth() {
+                Some(mesh.map(|mesh| match self.smooth() {
                     true => mesh.smooth().into(),
                     false => mesh.into(),
                 }))
@@ -178,11 +178,6 @@ impl MeshModel {
     pub(crate) const fn may_have_colors(&self) -> bool {
         let has_some = self.file.is_some() || self.color_by.is_some();
         has_some && self.color.is_none() && self.material.is_none()
-    }
-
-    /// Returns true if it is shaded like a curved surface.
-    pub(crate) fn is_smooth(&self) -> bool {
-        self.smooth.unwrap_or(false)
     }
 
     /// The vertices in the scene.
