@@ -146,7 +146,7 @@ fn completion_offers_the_paths_that_a_track_accepts() {
 
 /// Calls `see` with every field that is given in a scene, the text of the scene in either syntax, and
 /// the range of the field's value.
-fn each_given(see: &mut dyn FnMut(&str, &Tree, Found, Range<usize>)) {
+fn each_given(mut see: impl FnMut(&str, &Tree, Found, Range<usize>)) {
     for (file, model) in scenes() {
         for syntax in [Syntax::Ron, Syntax::Json] {
             let text = convert::write(&model, syntax);
@@ -164,7 +164,7 @@ fn each_given(see: &mut dyn FnMut(&str, &Tree, Found, Range<usize>)) {
 
 #[test]
 fn a_value_is_found_by_its_path_and_its_path_by_the_value() {
-    each_given(&mut |text, tree, found, range| {
+    each_given(|text, tree, found, range| {
         let (path, back) = (found.path, path_at(text, tree, range.start));
         assert!(
             back.steps().starts_with(path.steps()),
@@ -175,7 +175,7 @@ fn a_value_is_found_by_its_path_and_its_path_by_the_value() {
 
 #[test]
 fn a_value_that_is_set_to_itself_changes_nothing() {
-    each_given(&mut |text, tree, found, range| {
+    each_given(|text, tree, found, range| {
         let setting = format!("{}={}", found.path, &text[range]);
         let setting = [setting.parse::<Setting>().unwrap()];
         let mut changed = found.model.clone();
