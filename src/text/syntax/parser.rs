@@ -397,7 +397,8 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Takes an unreadable token behind a value as a part of it, if nothing else follows.
+    /// Takes an unreadable token behind a value without brackets as a part of it, if nothing else
+    /// follows.
     fn spoil_value(&mut self) {
         let token = self.token;
         let is_last = !token.fresh && ends_value(self.peek().kind);
@@ -405,6 +406,10 @@ impl<'t> Parser<'t> {
         if is_last
             && let Some(node) = self.nodes.last_mut()
             && node.end == end
+            && !matches!(
+                node.kind,
+                Kind::Struct | Kind::Map | Kind::Tuple | Kind::List
+            )
         {
             (node.kind, node.end) = (Kind::Error, token.end);
             self.lexer.faults.blame_value(token.start);

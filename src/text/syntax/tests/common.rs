@@ -114,7 +114,7 @@ pub(crate) fn check(text: &str, tree: &Tree) {
                 assert_eq!(tree.fields(id).count() * 2, counts[id.index()]);
             }
             Kind::Tuple | Kind::List => {}
-            _ => assert_eq!(counts[id.index()], 0),
+            _ => assert_eq!(counts[id.index()], 0, "in {text:?}"),
         }
     }
     let mut last = 0;

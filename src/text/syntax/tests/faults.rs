@@ -1,4 +1,5 @@
 //! Handwritten faulty texts: the exact position and message of every fault.
+use super::common::check as check_tree;
 use crate::text::syntax::{CommentKind, Kind, Syntax, parse};
 
 /// A text, and the start and message of each of its faults.
@@ -684,4 +685,17 @@ fn holes() {
         .map(|(_, v)| (tree.node(v).kind(), tree.node(v).range()))
         .collect();
     assert_eq!(values, [(Kind::Error, 3..3), (Kind::Error, 9..10)]);
+}
+
+#[test]
+fn nothing_readable_is_spoiled_by_what_follows_it() {
+    // The bracket that closed too early is opened again.
+    let text = r#"[1, {}90f64, "a": {"b": [[]]}}]"#;
+    check_tree(text, &parse(text, Syntax::Json));
+    let text = "(a: {}@, b: 1@, c: 2)";
+    let tree = parse(text, Syntax::Ron);
+    check_tree(text, &tree);
+    let values = tree.fields(tree.root().unwrap());
+    let kinds: Vec<_> = values.map(|(_, v)| tree.node(v).kind()).collect();
+    assert_eq!(kinds, [Kind::Map, Kind::Error, Kind::Number]);
 }
