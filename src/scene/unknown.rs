@@ -11,18 +11,21 @@ use crate::{
         },
         path::Part,
     },
-    text::nearest::{list, nearest, quote},
+    text::nearest::{nearest, one_of, quote},
 };
 
 /// Returns the diagnostic for an unknown name, with its place in the text of the option.
 pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
-    let found = quote(name);
+    let (found, meant) = (quote(name), nearest(name, known));
     let message = match known {
         [] => format!("unknown {kind} {found}, the scene has none with a name"),
-        _ => format!("unknown {kind} {found}, expected one of {}", list(known)),
+        _ => format!(
+            "unknown {kind} {found}, expected {}",
+            one_of(known, meant.is_some())
+        ),
     };
     let diagnostic = Diagnostic::new(Code::UnknownName, 0..name.len(), message);
-    match nearest(name, known) {
+    match meant {
         Some(meant) => diagnostic.with_help(format!("did you mean {}?", quote(meant))),
         None => diagnostic,
     }

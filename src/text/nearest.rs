@@ -60,6 +60,19 @@ pub(crate) fn list(names: &[&str]) -> String {
     quoted.join(", ")
 }
 
+/// The largest number of names that are all listed although it is known which one is meant.
+const FEW: usize = 8;
+
+/// Returns what is expected of a name: all known ones. If it is known which is meant, many are only
+/// counted.
+pub(crate) fn one_of(known: &[&str], is_meant_known: bool) -> String {
+    if is_meant_known && known.len() > FEW {
+        format!("one of {}", known.len())
+    } else {
+        format!("one of {}", list(known))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,6 +80,14 @@ mod tests {
     const FIELDS: &[&str] = &[
         "eye", "gaze", "look_at", "up", "fov", "center", "radius", "color",
     ];
+
+    #[test]
+    fn many_names_are_only_counted_if_one_is_meant() {
+        let many: Vec<_> = FIELDS.iter().copied().chain(["name"]).collect();
+        assert_eq!(one_of(&many, true), "one of 9");
+        assert!(one_of(&many, false).ends_with("`color`, `name`"));
+        assert!(one_of(FIELDS, true).ends_with("`radius`, `color`"));
+    }
 
     #[test]
     fn typing_errors_find_the_intended_name() {

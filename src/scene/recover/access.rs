@@ -18,7 +18,7 @@ use crate::{
         },
     },
     text::{
-        nearest::{list, quote},
+        nearest::{one_of, quote},
         syntax::{Children, Kind, NodeId, Syntax, Tree, name, string},
     },
 };
@@ -79,7 +79,15 @@ pub(super) fn given_fields(
         let spelt = name_of(document.text, document.tree, key);
         let taken = |field: &str| given.iter().any(|(other, _, _)| *other == field);
         if let Some(other) = elsewhere::field(document, owner, &spelt, known) {
-            unknown_field(document, path, key, &spelt, known, (other.help, other.fix));
+            unknown_field(
+                document,
+                path,
+                key,
+                &spelt,
+                known,
+                true,
+                (other.help, other.fix),
+            );
             if let Some(field) = other.field.filter(|field| !taken(field)) {
                 given.push((field, key, Value::Given));
             }
@@ -87,8 +95,9 @@ pub(super) fn given_fields(
         }
         let meant = document.nearest(&spelt, known, || near(&spelt, &writable(document, known)));
         let meant = meant.map(|field| (field, taken(field)));
+        let is_meant_known = meant.is_some();
         let advice = advice(document, key, &spelt, meant);
-        unknown_field(document, path, key, &spelt, known, advice);
+        unknown_field(document, path, key, &spelt, known, is_meant_known, advice);
         let Some((field, false)) = meant else {
             continue;
         };
@@ -158,6 +167,7 @@ fn unknown_field(
     key: NodeId,
     spelt: &str,
     known: &[&'static str],
+    is_meant_known: bool,
     (help, fix): (String, Option<Fix>),
 ) {
     if document.is_counted(Code::UnknownField) {
@@ -165,7 +175,7 @@ fn unknown_field(
     }
     let expected = match &*writable(document, known) {
         [] => "no field".to_owned(),
-        known => format!("one of {}", list(known)),
+        known => one_of(known, is_meant_known),
     };
     let message = format!("unknown field {}, expected {expected}", quote(spelt));
     let range = document.tree.node(key).range();

@@ -21,7 +21,7 @@ use crate::{
     },
     text::{
         edit::Edit,
-        nearest::{list, quote},
+        nearest::{list, one_of, quote},
         syntax::{Kind, NodeId, Syntax, name, string},
     },
 };
@@ -93,9 +93,9 @@ impl<'a, 'p> Variant<'a, 'p> {
         let other = absent(&spelt);
         let meant = near(&spelt, variants).filter(|_| other.is_none());
         let message = format!(
-            "unknown variant {}, expected one of {}",
+            "unknown variant {}, expected {}",
             quote(&spelt),
-            list(variants)
+            one_of(variants, meant.is_some() || other.is_some())
         );
         let mut diagnostic =
             Diagnostic::new(Code::UnknownVariant, given.place.clone(), message).with_path(path);

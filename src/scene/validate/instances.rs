@@ -11,7 +11,7 @@ use crate::{
         instances::{Prototypes, Refused},
         problem::{Cure, Focus, Problem},
     },
-    text::nearest::{list, nearest, quote},
+    text::nearest::{nearest, one_of, quote},
 };
 
 impl Found {
@@ -139,7 +139,8 @@ impl Found {
                 let message = match &*known {
                     [] => format!("unknown geometry {found}, the scene has none with a name"),
                     known => {
-                        format!("unknown geometry {found}, expected one of {}", list(known))
+                        let expected = one_of(known, nearest(name, known).is_some());
+                        format!("unknown geometry {found}, expected {expected}")
                     }
                 };
                 let problem = Problem::new(Code::UnknownName, place, Focus::Value, message);

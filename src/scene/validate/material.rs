@@ -15,7 +15,7 @@ use crate::{
         },
         problem::{Cure, Focus, Problem},
     },
-    text::nearest::{list, nearest, quote},
+    text::nearest::{nearest, one_of, quote},
     tracer::color::Color,
 };
 
@@ -127,9 +127,9 @@ impl Found {
                 quote(name)
             ),
             known => format!(
-                "unknown material {}, expected one of {}",
+                "unknown material {}, expected {}",
                 quote(name),
-                list(known)
+                one_of(known, nearest(name, known).is_some())
             ),
         };
         let problem = Problem::new(Code::UnknownName, path(), Focus::Content, message);

@@ -41,7 +41,7 @@ use crate::{
         tables::Tables,
         validate::{inward::Inward, material::both},
     },
-    text::nearest::{list, nearest, quote},
+    text::nearest::{nearest, one_of, quote},
 };
 
 /// What the checks of a scene depend on besides the scene.
@@ -313,8 +313,8 @@ impl Found {
                 }
                 Ok(_) => continue,
                 Err(_) => {
-                    let known = list(&warnings);
-                    format!("unknown warning {}, expected one of {known}", quote(name))
+                    let expected = one_of(&warnings, nearest(name, &warnings).is_some());
+                    format!("unknown warning {}, expected {expected}", quote(name))
                 }
             };
             let problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
