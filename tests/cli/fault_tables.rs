@@ -196,7 +196,11 @@ pub(crate) const NAMES_RON: &[Fault] = &[
         &["[unknown-field]", "Background"],
     ),
     ("Sphere(", "sphere(", &["[unknown-variant]", "sphere"]),
-    ("Sphere(", "Cube(", &["[unknown-variant]", "Cube", "Sphere"]),
+    (
+        "Sphere(",
+        "Cube(",
+        &["[unknown-variant]", "Cube", "expected one of 19", "`Box`"],
+    ),
     (
         "Perspective(",
         "Fisheye(",
