@@ -55,6 +55,8 @@ mod accel;
 #[forbid(unsafe_code)]
 pub mod compare;
 #[forbid(unsafe_code)]
+mod data;
+#[forbid(unsafe_code)]
 pub mod diagnostic;
 #[forbid(unsafe_code)]
 pub mod film;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::{Scene, options::RenderOptions, picture::Aovs};
 use crate::{
+    data::table::row_cells::RowCells,
     diagnostic::error::Error,
     film::{Centers, Wanted, samples::Samples},
     parallel::{Cancel, Pool},
@@ -13,7 +14,6 @@ use crate::{
         origin::{InstancesOf, Origin, PartGeometries, TableRows},
         part::PartPlace,
         scales::ColorValues,
-        table::RowCells,
     },
     tracer::{colormap::scale::ColorScale, shape::Shape},
 };

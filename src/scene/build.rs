@@ -3,6 +3,7 @@
 use std::{collections::HashMap, ops::Range, sync::Arc};
 
 use crate::{
+    data::table::Table,
     parallel::Cancel,
     scene::{
         format::{
@@ -20,7 +21,6 @@ use crate::{
         origins::{Origins, SpanContent},
         reread::RowsOf,
         scales::{Scale, Scales},
-        table::Table,
         tables::{Content, Tables},
     },
     tracer::{

@@ -11,12 +11,9 @@ use std::{
 };
 
 use crate::{
+    data::fault::{Part, Spot},
     diagnostic::InFile,
-    scene::{
-        files::Folder,
-        problem::Problem,
-        table::{Part, Spot},
-    },
+    scene::{files::Folder, problem::Problem},
 };
 
 /// The longest line that is shown.

@@ -3,6 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::{
+    data::{
+        fault::ReadError,
+        mesh::{Flaw, Format, MeshFile, Note, Request},
+        table::{Names, Values},
+    },
     diagnostic::Code,
     scene::{
         files::{self, Folder},
@@ -15,11 +20,9 @@ use crate::{
             scene::Model,
         },
         in_file,
-        mesh_file::{Flaw, Format, MeshFile, Note, Request},
         options::ReadOptions,
         place::Place,
         problem::Problem,
-        table::{Names, ReadError, Values},
     },
     tracer::{color::Color, error::GeometryError, shape::mesh::Mesh},
 };

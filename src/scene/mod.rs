@@ -16,7 +16,6 @@ pub(crate) mod in_file;
 mod instances;
 mod loaded;
 pub(crate) mod locate;
-pub(crate) mod mesh_file;
 mod meshes;
 mod movers;
 pub(crate) mod names;
@@ -39,7 +38,6 @@ pub(crate) mod schema;
 pub(crate) mod set;
 pub(crate) mod source;
 pub(crate) mod surroundings;
-pub(crate) mod table;
 pub(crate) mod tables;
 pub(crate) mod unknown;
 pub(crate) mod validate;
@@ -48,6 +46,7 @@ pub(crate) mod view;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use crate::data::table::row_cells::RowCells;
 pub use crate::tracer::colormap::scale::ColorScale;
 pub use assist::{
     ColorPlace, Completion, CompletionKind, Completions, Cuts, Elements, Excerpt, FileLink, Fold,
@@ -63,4 +62,3 @@ pub use scales::ColorValues;
 pub use schema::{SCHEMA_URL, schema};
 pub use set::{FieldLookup, Setting, SettingError};
 pub use source::Source;
-pub use table::RowCells;

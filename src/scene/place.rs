@@ -3,16 +3,16 @@
 use std::io::Read;
 
 use crate::{
+    data::{
+        fault::{At, BadRows, Blamed, Fault, Part, most_listed},
+        table::{Bad, Format, Kind, Names, Table, kind::RowKind},
+    },
     diagnostic::{Code, path::Path},
     scene::{
         files::{self, Folder, Refused},
         foreign::{Foreign, start_of},
-        format::{
-            color_by::ColorByModel,
-            geometry::table::{RowKind, TableModel},
-        },
+        format::{color_by::ColorByModel, geometry::table::TableModel},
         problem::{Cure, Focus, Problem},
-        table::{At, Bad, BadRows, Blamed, Fault, Format, Kind, Names, Part, Table, most_listed},
     },
     text::nearest::{list, nearest, quote},
     tracer::error::GeometryError,
@@ -51,6 +51,16 @@ impl Place<'_> {
         }
     }
 
+    /// The path of a field that may be at fault.
+    fn field(&self, blamed: Blamed) -> Path {
+        match blamed {
+            Blamed::File => self.variant.field("file"),
+            Blamed::Columns => self.variant.field("columns"),
+            Blamed::Array => self.variant.field("array"),
+            Blamed::Value => self.variant.field("color_by").field("column"),
+        }
+    }
+
     /// Creates a problem of the file; the message names the file first.
     pub(crate) fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
         self.problem_at(Blamed::File, code, message)
@@ -64,7 +74,7 @@ impl Place<'_> {
         message: impl AsRef<str>,
     ) -> Problem {
         let message = format!("{}: {}", quote(self.file), message.as_ref());
-        Problem::new(code, blamed.path_in(&self.variant), Focus::Value, message)
+        Problem::new(code, self.field(blamed), Focus::Value, message)
     }
 
     /// Creates the problem of a fault of the file that is at this many places.
@@ -130,7 +140,7 @@ impl Place<'_> {
         names: &Names,
         known: Option<bool>,
     ) -> Option<Problem> {
-        let place = Blamed::Value.path_in(&self.variant);
+        let place = self.field(Blamed::Value);
         let column = quote(&by.column);
         let file = quote(self.file);
         let Some(is_finite) = known else {
@@ -277,7 +287,7 @@ impl Place<'_> {
         let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
         let is_choice = |bad: &BadRows| {
             let by = named.color_by;
-            by.is_some_and(|by| table.has_no_numbers(bad, by))
+            by.is_some_and(|by| table.has_no_numbers(bad, &by.column))
         };
         // The choice of a column is one fault.
         let (choice, rows): (Vec<_>, Vec<_>) =
@@ -293,7 +303,9 @@ impl Place<'_> {
     }
 
     fn bad_rows(&self, bad: &BadRows, named: &TableModel, table: &Table) -> Problem {
-        let by = named.color_by.filter(|by| table.has_no_numbers(bad, by));
+        let by = named
+            .color_by
+            .filter(|by| table.has_no_numbers(bad, &by.column));
         let fault = match by {
             None => bad.fault.clone(),
             Some(by) => {

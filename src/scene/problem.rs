@@ -3,8 +3,8 @@
 use std::{collections::BTreeMap, mem, ops::Range};
 
 use crate::{
+    data::fault::Spot,
     diagnostic::{Code, Diagnostic, Fix, Label, Severity, path::Path},
-    scene::table::Spot,
     text::{nearest::quote, syntax::Fault},
 };
 

@@ -4,12 +4,13 @@
 use std::{path::PathBuf, sync::Arc};
 
 use crate::{
+    data::table::{
+        Defaults, Format, Request, Table, kind::RowKind, left_out::LeftOut, row_cells::RowCells,
+    },
     parallel::Cancel,
     scene::{
         files::{Files, Stamp},
-        format::geometry::table::RowKind,
         options::{ReadOptions, UntilCancelled},
-        table::{Defaults, Format, Request, RowCells, Table, left_out::LeftOut},
     },
 };
 

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use crate::{
+    data::table::{Table, Values},
     scene::{
         format::geometry::GeometryModel,
         origin::Origin,
         origins::Origins,
         part::{PartPlace, Places},
-        table::{Table, Values},
     },
     tracer::{
         color::Color, colormap::scale::ColorScale, material::coating::VertexColors, world::World,

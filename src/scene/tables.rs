@@ -3,6 +3,10 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
+    data::{
+        fault::ReadError,
+        table::{Cloud, Defaults, Format, Request, Row, Table, kind::RowKind},
+    },
     diagnostic::Code,
     scene::{
         files::{self, Folder},
@@ -12,7 +16,7 @@ use crate::{
             geometry::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
-                table::{RowKind, TableModel},
+                table::TableModel,
             },
             material::MaterialsModel,
             scene::Model,
@@ -25,7 +29,6 @@ use crate::{
         place::Place,
         problem::Problem,
         reread::{RowsOf, TableFile},
-        table::{Cloud, Defaults, Format, ReadError, Request, Row, Table},
     },
     tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
 };

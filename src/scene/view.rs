@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use crate::{
+    data::table::Table,
     film::size::Size,
     scene::{
         format::geometry::{nesting::Leaf, placement::Placement},
-        table::Table,
         tables::Tables,
     },
     tracer::{

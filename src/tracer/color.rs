@@ -77,6 +77,25 @@ impl Color {
         let [r, g, b] = light.channels.map(to_display);
         Self::new(r, g, b)
     }
+
+    /// Parses `#rrggbb` or `#rgb`, in either case.
+    pub(crate) fn parse_hex(text: &str) -> Option<[u8; 3]> {
+        let digits = text.strip_prefix('#')?;
+        if !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return None;
+        }
+        let number = u32::from_str_radix(digits, 16).ok()?;
+        let [_, r, g, b] = match digits.len() {
+            6 => number.to_be_bytes(),
+            // #rgb is #rrggbb with every digit twice.
+            3 => {
+                let [high, low] = [(number >> 8) & 15, number & 0xff];
+                [0, high, low >> 4, low & 15].map(|digit| (digit * 17) as u8)
+            }
+            _ => return None,
+        };
+        Some([r, g, b])
+    }
 }
 
 // Not `f64::clamp`, which lets NaN and -0 through.

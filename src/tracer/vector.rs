@@ -37,6 +37,19 @@ pub(crate) fn is_direction(v: DVec3) -> bool {
     squared > 0.0 && squared.is_finite()
 }
 
+/// Returns the reason why two finite points are not the ends of a shape, if they are too close or too
+/// far apart.
+#[inline]
+pub(crate) fn why_no_axis([from, to]: [DVec3; 2]) -> Option<&'static str> {
+    if !from.is_finite() || !to.is_finite() || is_direction(to - from) {
+        None
+    } else if from == to {
+        Some("are the same point")
+    } else {
+        Some("have a squared distance that is 0 or not finite in an f64")
+    }
+}
+
 /// Returns `v` if every component is finite.
 pub(crate) fn finite(v: DVec3, name: &'static str) -> Result<DVec3, GeometryError> {
     if v.is_finite() {

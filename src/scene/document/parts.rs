@@ -3,13 +3,11 @@
 use std::{collections::HashMap, iter, path::Path as FilePath};
 
 use crate::{
+    data::table::kind::RowKind,
     diagnostic::{Code, Diagnostic, Severity, path::Path},
     scene::{
         document::Document,
-        format::geometry::{
-            GeometryModel,
-            table::{RowKind, TableModel},
-        },
+        format::geometry::{GeometryModel, table::TableModel},
         part::PartFindings,
     },
 };

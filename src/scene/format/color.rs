@@ -52,25 +52,7 @@ impl ColorModel {
 
     /// Parses `#rrggbb` or `#rgb`, in either case.
     pub(crate) fn parse(text: &str) -> Self {
-        Self::parse_hex(text).map_or_else(|| Self::Invalid(text.into()), Self::Hex)
-    }
-
-    fn parse_hex(text: &str) -> Option<[u8; 3]> {
-        let digits = text.strip_prefix('#')?;
-        if !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
-            return None;
-        }
-        let number = u32::from_str_radix(digits, 16).ok()?;
-        let [_, r, g, b] = match digits.len() {
-            6 => number.to_be_bytes(),
-            // #rgb is #rrggbb with every digit twice.
-            3 => {
-                let [high, low] = [(number >> 8) & 15, number & 0xff];
-                [0, high, low >> 4, low & 15].map(|digit| (digit * 17) as u8)
-            }
-            _ => return None,
-        };
-        Some([r, g, b])
+        Color::parse_hex(text).map_or_else(|| Self::Invalid(text.into()), Self::Hex)
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::{
+    data::table::Row,
     diagnostic::{Code, path::Path},
     scene::{
         format::{
@@ -13,7 +14,6 @@ use crate::{
         part::Part,
         problem::{Focus, Problem},
         surroundings::Surroundings,
-        table::Row,
         tables::Tables,
         validate::{Found, camera::Eye},
     },

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::format::field::Triple,
-    tracer::vector::is_direction,
+    tracer::vector::{is_direction, why_no_axis},
 };
 
 /// A fault between the fields of a geometry.
@@ -115,19 +115,6 @@ impl Clash {
             )
         });
         Vec::from_iter(clash)
-    }
-}
-
-/// Returns the reason why two finite points are not the ends of a shape, if they are too close or too
-/// far apart.
-#[inline]
-pub(crate) fn why_no_axis([from, to]: [DVec3; 2]) -> Option<&'static str> {
-    if !from.is_finite() || !to.is_finite() || is_direction(to - from) {
-        None
-    } else if from == to {
-        Some("are the same point")
-    } else {
-        Some("have a squared distance that is 0 or not finite in an f64")
     }
 }
 

@@ -1,12 +1,12 @@
 //! The instances of a scene file: copies of another geometry.
 
-use crate::scene::format::{
-    geometry::{
-        kind::Kind,
-        table::{RowKind, TableModel},
+use crate::{
+    data::table::kind::RowKind,
+    scene::format::{
+        geometry::{kind::Kind, table::TableModel},
+        object::object,
+        transform::TransformModel,
     },
-    object::object,
-    transform::TransformModel,
 };
 
 object! {

@@ -1,43 +1,14 @@
 //! The fields that every table of a scene file has.
 
-use crate::scene::format::{
-    color::ColorModel,
-    color_by::ColorByModel,
-    geometry::{cylinders::CylindersModel, kind::Kind, spheres::SpheresModel},
-    material::MaterialModel,
-};
-
-/// The shape that each row of a table stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum RowKind {
-    #[default]
-    Sphere,
-    Cylinder {
-        capped: bool,
+use crate::{
+    data::table::kind::RowKind,
+    scene::format::{
+        color::ColorModel,
+        color_by::ColorByModel,
+        geometry::{cylinders::CylindersModel, kind::Kind, spheres::SpheresModel},
+        material::MaterialModel,
     },
-    /// The place, direction and size of a copy.
-    Copy,
-}
-
-impl RowKind {
-    /// The name of the shape, in lowercase.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Sphere => "sphere",
-            Self::Cylinder { .. } => "cylinder",
-            Self::Copy => "copy",
-        }
-    }
-
-    /// The name of several.
-    pub(crate) const fn names(self) -> &'static str {
-        match self {
-            Self::Sphere => "spheres",
-            Self::Cylinder { .. } => "cylinders",
-            Self::Copy => "copies",
-        }
-    }
-}
+};
 
 /// A geometry that names a table, whatever its rows stand for.
 #[derive(Clone, Copy, Debug)]

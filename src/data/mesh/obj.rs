@@ -1,0 +1,295 @@
+//! The vertices and faces of an OBJ file, with the names of its groups.
+//!
+//! The format is Wavefront's (Object Files, Appendix B1 of the Advanced Visualizer manual), with the
+//! colors after the coordinates that later programs write. Normals and texture coordinates are
+//! skipped; materials, lines, points and curves are skipped with a warning.
+
+use std::io::Read;
+
+use glam::DVec3;
+
+use crate::{
+    data::{
+        fault::{At, Fault, Part, ReadError, most_listed},
+        mesh::{Flaw, MOST, MeshFile, Request, place::Place, push, stream::Stream},
+    },
+    text::nearest::quote,
+    tracer::shape::mesh::MeshGroup,
+};
+
+/// Statements that say nothing about faces.
+const SKIPPED: [&[u8]; 33] = [
+    b"vt",
+    b"vn",
+    b"vp",
+    b"s",
+    b"mg",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"cstype",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"maplib",
+    b"usemap",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"call",
+    b"csh",
+    b"res",
+    b"bzp",
+    b"bsp",
+    b"cdc",
+    b"cdp",
+];
+
+pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
+    file.skip_mark()?;
+    let mut reader = Reader {
+        mesh: MeshFile::new(request),
+        has_colors: request.colors && request.value.is_none(),
+        whites: Vec::new(),
+        white_count: 0,
+        corners: Vec::new(),
+        later: Vec::new(),
+    };
+    while let Some((line, text)) = file.line(is_continued)? {
+        reader.statement(line, text)?;
+    }
+    reader.finish()
+}
+
+/// Statements of names, which may end with a `\`, as folders do: there, one that joins lines is a word
+/// of its own.
+const OF_NAMES: [&[u8]; 10] = [
+    b"g",
+    b"o",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"shadow_obj",
+    b"trace_obj",
+    b"call",
+    b"csh",
+];
+
+/// Returns true if a `\` joins a line to the next: at its end, unless it is that of a name or a
+/// comment. The lines before `last` have neither.
+#[inline(always)]
+fn is_continued(line: &[u8], last: usize) -> bool {
+    line.last() == Some(&b'\\') && !is_in_name(line) && !has_comment(line, last)
+}
+
+#[cold]
+fn is_in_name(line: &[u8]) -> bool {
+    // However many lines are joined, this is done for each.
+    let start = line.get(..256).unwrap_or(line);
+    let mut words = start.split(u8::is_ascii_whitespace);
+    let keyword = words.find(|word| !word.is_empty());
+    keyword.is_some_and(|keyword| OF_NAMES.contains(&keyword))
+        && line
+            .iter()
+            .nth_back(1)
+            .is_some_and(|byte| !byte.is_ascii_whitespace())
+}
+
+/// Returns true if a word of the last line starts with `#`.
+#[cold]
+fn has_comment(line: &[u8], last: usize) -> bool {
+    let mut words = line
+        .get(last..)
+        .unwrap_or_default()
+        .split(u8::is_ascii_whitespace);
+    words.any(|word| word.starts_with(b"#"))
+}
+
+struct Reader {
+    mesh: MeshFile,
+    /// True if colors are read.
+    has_colors: bool,
+    /// The lines of the first vertices without a color, and the number of all of these.
+    whites: Vec<u64>,
+    white_count: usize,
+    /// The corners of a face.
+    corners: Vec<u32>,
+    /// The lines that name vertices before they are given, with the vertex, from 1.
+    later: Vec<(u64, u32)>,
+}
+
+impl Reader {
+    #[inline(always)]
+    fn statement(&mut self, line: u64, text: &[u8]) -> Result<(), ReadError> {
+        let words = text.split(u8::is_ascii_whitespace);
+        let mut words = words.filter(|word| !word.is_empty());
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
+        let is_data = |word: &&[u8]| !word.starts_with(b"#");
+        match keyword {
+            b"v" => self.vertex(line, words.take_while(is_data))?,
+            b"f" | b"fo" => self.face(line, words.take_while(is_data))?,
+            b"g" | b"o" => {
+                let words: Vec<_> = words.map(String::from_utf8_lossy).collect();
+                self.group(words.join(" "));
+            }
+            b"usemtl" | b"mtllib" => self.mesh.once(Flaw::Material, || {
+                let fault = At::line(line).fault("the materials of an OBJ file are not used");
+                fault.help("give the mesh one `material`")
+            }),
+            b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.mesh.once(Flaw::NotFace, || {
+                let keyword = quote(&String::from_utf8_lossy(keyword));
+                At::line(line).fault(format!("{keyword} is not used, only faces `f`"))
+            }),
+            _ if keyword.starts_with(b"#") || SKIPPED.contains(&keyword) => {}
+            _ => self.mesh.note(Flaw::Line, || {
+                let keyword = String::from_utf8_lossy(keyword);
+                let at = At::line(line).word(&*keyword);
+                at.fault(format!(
+                    "{} is not a statement of an OBJ file",
+                    quote(&keyword)
+                ))
+            }),
+        }
+        Ok(())
+    }
+
+    fn group(&mut self, name: String) {
+        let first = self.mesh.triangles.len();
+        let groups = &mut self.mesh.groups;
+        // Of several names before a face, the last is the most precise.
+        groups.pop_if(|group| group.first == first);
+        groups.push(MeshGroup { name, first });
+    }
+
+    #[inline(always)]
+    fn vertex<'t>(
+        &mut self,
+        line: u64,
+        words: impl Iterator<Item = &'t [u8]>,
+    ) -> Result<(), ReadError> {
+        let place = Place::line(line);
+        let mesh = &mut self.mesh;
+        let (numbers, count) = mesh.numbers(line, words);
+        if !matches!(count, 3 | 4 | 6) {
+            mesh.note(Flaw::Length, || {
+                let fault = place.fault(format!("{count} numbers in a vertex"));
+                fault.help("write x, y and z, and r, g and b behind them if it has a color")
+            });
+        }
+        let [x, y, z, r, g, b] = numbers;
+        if self.has_colors && count == 6 {
+            self.white()?;
+            self.mesh.add_color([r, g, b], place)?;
+        } else {
+            if self.white_count < most_listed(Flaw::Colorless.is_error()) {
+                self.whites.push(line);
+            }
+            self.white_count += 1;
+        }
+        self.mesh.add_vertex(DVec3::new(x, y, z), place)
+    }
+
+    /// Gives white to the vertices without a color.
+    #[inline(always)]
+    fn white(&mut self) -> Result<(), ReadError> {
+        let mesh = &mut self.mesh;
+        while mesh.colors.len() < mesh.vertices.len() {
+            push(&mut mesh.colors, [1.0; 3], "colors")?;
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn face<'t>(
+        &mut self,
+        line: u64,
+        words: impl Iterator<Item = &'t [u8]>,
+    ) -> Result<(), ReadError> {
+        let before = self.mesh.vertices.len();
+        self.corners.clear();
+        for word in words {
+            // The numbers of a texture coordinate and of a normal follow.
+            let vertex = word.split(|byte| *byte == b'/').next().unwrap_or_default();
+            let index = str::from_utf8(vertex)
+                .ok()
+                .and_then(|text| text.parse().ok());
+            let Some(index) = index else {
+                self.mesh.note(Flaw::Number, || {
+                    let word = String::from_utf8_lossy(word);
+                    let at = At::line(line).word(&*word);
+                    let fault = at.fault(format!("{} is not a corner of a face", quote(&word)));
+                    fault.help("write the number of a vertex, or `vertex/texture/normal`")
+                });
+                return Ok(());
+            };
+            let Some(corner) = corner(index, before) else {
+                self.mesh.note(Flaw::Index, || missing(line, index, before));
+                return Ok(());
+            };
+            if corner as usize >= before {
+                push(&mut self.later, (line, corner), "corners")?;
+            }
+            push(&mut self.corners, corner, "corners")?;
+        }
+        self.mesh.add_face(&self.corners, Place::line(line))
+    }
+
+    fn finish(mut self) -> Result<MeshFile, ReadError> {
+        if !self.mesh.colors.is_empty() {
+            self.white()?;
+            let whites = (&*self.whites, self.white_count);
+            self.mesh.note_all(Flaw::Colorless, whites, |line| {
+                let fault = At::line(*line).fault("a vertex without a color is white");
+                fault.help("give all vertices a color, or none")
+            });
+        }
+        let count = self.mesh.vertices.len();
+        for (line, corner) in self.later {
+            if corner as usize >= count {
+                let index = i64::from(corner) + 1;
+                self.mesh.note(Flaw::Index, || missing(line, index, count));
+            }
+        }
+        Ok(self.mesh)
+    }
+}
+
+/// Returns the vertex that a number in a face stands for, with `before` vertices before it: from 1,
+/// or from -1 backwards. It may be one that the file does not have.
+#[inline(always)]
+fn corner(index: i64, before: usize) -> Option<u32> {
+    let from_0 = match index {
+        1.. => index - 1,
+        0 => return None,
+        _ => index.checked_add(before as i64)?,
+    };
+    u32::try_from(from_0)
+        .ok()
+        .filter(|corner| (*corner as usize) < MOST)
+}
+
+#[cold]
+fn missing(line: u64, index: i64, vertices: usize) -> Fault {
+    let message = match (index, vertices) {
+        (0, _) => "vertex 0 does not exist, the first is 1".to_owned(),
+        (_, 0) => format!("vertex {index} does not exist, there are none"),
+        (..0, _) => format!("vertex {index} does not exist, there are {vertices} before it"),
+        (1.., _) => {
+            format!("vertex {index} does not exist, the file has {vertices}, 1 to {vertices}")
+        }
+    };
+    let at = At::line(line).part(Part::Number(index as f64));
+    at.fault(message)
+}

@@ -1,0 +1,600 @@
+//! A numpy array: a header in Python syntax, then the bare numbers.
+//!
+//! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0. The columns are those
+//! of an array with two dimensions, or the fields of a structured array.
+
+use std::io::{self, Read, Seek};
+
+use crate::{
+    data::{
+        bytes::{Reading, read_bytes},
+        fault::{Blamed, Fault, ReadError},
+        table::{
+            Names, Request, Table,
+            layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
+            row_cells::{MOST_CELLS, RowCells},
+            select::{Known, Selection, columns, coordinates},
+        },
+    },
+    text::{
+        literal::{Literal, Value},
+        nearest::quote,
+    },
+};
+
+/// The start of every file.
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+
+/// The number of bytes of a text that are read as a cell.
+const LONGEST_TEXT: usize = 256;
+
+/// The maximum length of a header; numpy itself stops at 10,000.
+const LONGEST_HEADER: usize = 1 << 16;
+
+pub(super) fn read(
+    mut reader: impl Read,
+    length: u64,
+    request: &Request,
+) -> Result<Table, ReadError> {
+    let (header, start) = Header::read(&mut reader, length)?;
+    let array = header.rows_of_columns(request)?;
+    let behind = array.bytes_behind(length.saturating_sub(start))?;
+    let (chosen, names) = choose(&array.cells, request)?;
+    let columns = chosen.map(|chosen| chosen.map(|(_, column)| column));
+    let layout = Layout::new(array.rows, columns, &request.defaults);
+    let table = Table::read_file(Reading::new(reader, array.bytes)?, layout, names)?;
+    let behind = (behind > 0).then(|| {
+        let message = format!("bytes after the last row are not read: {behind}");
+        Fault::new(message).help("a file holds one array; `numpy.savez` writes several")
+    });
+    Ok(Table { behind, ..table })
+}
+
+/// Reads the cells of a row, with the names of their columns.
+pub(super) fn row_cells(
+    mut reader: impl Read + Seek,
+    length: u64,
+    request: &Request,
+    row: usize,
+) -> Result<RowCells, ReadError> {
+    let (header, _) = Header::read(&mut reader, length)?;
+    let array = header.rows_of_columns(request)?;
+    let texts = array.texts(row, &mut reader, |reader, count| {
+        let count = i64::try_from(count).map_err(io::Error::other)?;
+        reader.seek_relative(count)
+    });
+    let texts = texts?;
+    let names = array.cells.iter().map(|cell| &cell.name);
+    Ok(RowCells::new(array.cells.len(), names.zip(texts)))
+}
+
+/// The contents of a header.
+#[derive(Debug, PartialEq)]
+pub(super) struct Header {
+    descr: Descr,
+    fortran_order: bool,
+    shape: Vec<usize>,
+}
+
+/// The type of an element.
+#[derive(Debug, PartialEq)]
+enum Descr {
+    /// A number, or anything else that has no fields.
+    Bare(String),
+    /// Fields with their names, types and offsets, and the size of all of them.
+    Fields(Vec<(String, String, usize)>, usize),
+}
+
+/// An array as columns.
+pub(super) struct Array {
+    pub(super) rows: usize,
+    pub(super) cells: Vec<Cell>,
+    /// The size of all elements.
+    pub(super) bytes: usize,
+    /// The size of a row.
+    row: usize,
+}
+
+/// A column of an array.
+#[derive(Clone)]
+pub(super) struct Cell {
+    pub(super) name: String,
+    descr: String,
+    /// The offset of its first number.
+    start: usize,
+    /// The distance from one number to the next.
+    step: usize,
+}
+
+impl Header {
+    /// Reads a header; returns its end as well.
+    pub(super) fn read(reader: &mut impl Read, length: u64) -> Result<(Self, u64), ReadError> {
+        let mut at = 0;
+        let mut take = |count: usize| {
+            at += count as u64;
+            if at > length {
+                return Err(ReadError::from(Fault::new("the header is cut off")));
+            }
+            read_bytes(reader.by_ref(), count)
+        };
+        if length < MAGIC.len() as u64 || take(MAGIC.len())? != MAGIC {
+            let fault = Fault::new("not a numpy array");
+            return Err(fault.help("`numpy.save` writes one").into());
+        }
+        let version = take(2)?;
+        let size = match version.as_slice() {
+            [1, 0] => take(2)?,
+            [2 | 3, 0] => take(4)?,
+            other => {
+                let numbers: Vec<_> = other.iter().map(u8::to_string).collect();
+                let version = numbers.join(".");
+                let message =
+                    format!("version `{version}` of the format, expected 1.0, 2.0 or 3.0");
+                return Err(Fault::new(message).into());
+            }
+        };
+        let little_endian = size.iter().rev();
+        let size = little_endian.fold(0, |size, byte| (size << 8) | usize::from(*byte));
+        if size > LONGEST_HEADER {
+            let message = format!("a header of {size} bytes, the maximum is {LONGEST_HEADER}");
+            return Err(Fault::new(message).into());
+        }
+        let header = take(size)?;
+        let text = match version.as_slice() {
+            [3, _] => {
+                String::from_utf8(header).map_err(|_| Fault::new("the header is not UTF-8"))?
+            }
+            // Latin-1, whose bytes are the first characters of Unicode.
+            _ => header.into_iter().map(char::from).collect(),
+        };
+        Ok((Self::parse(&text)?, at))
+    }
+
+    fn parse(text: &str) -> Result<Self, Fault> {
+        let mut reader = Literal::new(text);
+        let entries = reader.dictionary().filter(|_| reader.is_at_end());
+        let entries = entries.ok_or_else(|| {
+            let shown = quote(text.trim_end());
+            Fault::new(format!("the header {shown} is not a Python dictionary"))
+        })?;
+        let entry = |name: &str| {
+            let mut all = entries.iter();
+            let found = all.find(|(key, _)| key == name).map(|(_, value)| value);
+            found.ok_or_else(|| Fault::new(format!("the header has no `{name}`")))
+        };
+        let descr = match entry("descr")? {
+            Value::Text(descr) => Descr::Bare(descr.clone()),
+            Value::List(fields) => fields_of(fields)?,
+            _ => return Err(Fault::new("`descr` is neither a type nor a list of fields")),
+        };
+        let Value::Flag(fortran_order) = entry("fortran_order")? else {
+            return Err(Fault::new("`fortran_order` is neither True nor False"));
+        };
+        let Value::Shape(shape) = entry("shape")? else {
+            return Err(Fault::new("`shape` is not a tuple of whole numbers"));
+        };
+        Ok(Self {
+            descr,
+            fortran_order: *fortran_order,
+            shape: shape.clone(),
+        })
+    }
+
+    /// Returns true if the array has rows of columns: two dimensions, or one with fields.
+    pub(super) fn has_columns(&self) -> bool {
+        match self.descr {
+            Descr::Bare(_) => self.shape.len() == 2,
+            Descr::Fields(..) => self.shape.len() == 1,
+        }
+    }
+
+    /// Returns the array as the single column `name`, if it has one dimension and no fields.
+    pub(super) fn column(&self, name: &str) -> Option<Array> {
+        let (Descr::Bare(descr), &[rows]) = (&self.descr, self.shape.as_slice()) else {
+            return None;
+        };
+        let size = size_of(descr)?;
+        Some(Array {
+            rows,
+            cells: vec![Cell {
+                name: name.to_owned(),
+                descr: descr.clone(),
+                start: 0,
+                step: size,
+            }],
+            bytes: rows.checked_mul(size)?,
+            row: size,
+        })
+    }
+
+    /// Returns the columns of the array.
+    pub(super) fn rows_of_columns(&self, request: &Request) -> Result<Array, Fault> {
+        let shape: Vec<_> = self.shape.iter().map(usize::to_string).collect();
+        let shape = shape.join(", ");
+        let cut_off = |rows: usize, size: usize| {
+            Fault::new(format!(
+                "the file is cut off: {rows} rows of {size} bytes do not fit"
+            ))
+        };
+        match &self.descr {
+            Descr::Fields(fields, size) => {
+                let size = *size;
+                request.refuse_columns("the fields of the array have names")?;
+                let &[rows] = self.shape.as_slice() else {
+                    let message = format!("the shape is ({shape}), expected (N,) with fields");
+                    return Err(Fault::new(message).help("save `array.ravel()`"));
+                };
+                let cells = fields.iter().map(|(name, descr, start)| Cell {
+                    name: name.clone(),
+                    descr: descr.clone(),
+                    start: *start,
+                    step: size,
+                });
+                Ok(Array {
+                    rows,
+                    cells: cells.collect(),
+                    bytes: rows.checked_mul(size).ok_or_else(|| cut_off(rows, size))?,
+                    row: size,
+                })
+            }
+            Descr::Bare(descr) => {
+                if request.columns.is_none() {
+                    check_usual(descr)?;
+                }
+                let (rows, names) = names(&self.shape, &shape, request)?;
+                let count = names.len();
+                let (scalar, _) = scalar(descr).ok_or_else(|| not_numbers("array", descr))?;
+                let size = scalar.size();
+                let bytes = rows
+                    .checked_mul(count)
+                    .and_then(|all| all.checked_mul(size));
+                let cell = |(index, name)| Cell {
+                    name,
+                    descr: descr.clone(),
+                    start: size
+                        * if self.fortran_order {
+                            index * rows
+                        } else {
+                            index
+                        },
+                    step: size * if self.fortran_order { 1 } else { count },
+                };
+                let bytes = bytes.ok_or_else(|| cut_off(rows, size * count))?;
+                Ok(Array {
+                    rows,
+                    cells: names.into_iter().enumerate().map(cell).collect(),
+                    bytes,
+                    row: size * count,
+                })
+            }
+        }
+    }
+}
+
+impl Array {
+    /// Reads the first cells of a row as text; `skip` skips bytes of the elements.
+    pub(super) fn texts<R: Read>(
+        &self,
+        row: usize,
+        reader: &mut R,
+        mut skip: impl FnMut(&mut R, u64) -> io::Result<()>,
+    ) -> Result<Vec<String>, ReadError> {
+        let mut texts = Vec::new();
+        let mut at = 0;
+        // The cells of a row are in the order of their places.
+        for cell in self.cells.iter().take(MOST_CELLS) {
+            let start = cell.start.saturating_add(row.saturating_mul(cell.step));
+            let count = start.saturating_sub(at) as u64;
+            skip(reader, count)?;
+            let size = size_of(&cell.descr).unwrap_or_default().min(LONGEST_TEXT);
+            texts.push(text_of(&cell.descr, &read_bytes(&mut *reader, size)?));
+            at = start + size;
+        }
+        Ok(texts)
+    }
+
+    /// Returns how many of `found` bytes are behind the elements.
+    pub(super) fn bytes_behind(&self, found: u64) -> Result<u64, Fault> {
+        let needed = self.bytes as u64;
+        if needed > found {
+            let Self { rows, row, .. } = self;
+            return Err(Fault::new(format!(
+                "the file is cut off: {rows} rows of {row} bytes, found {found} bytes"
+            )));
+        }
+        Ok(found - needed)
+    }
+
+    /// Checks that the elements take exactly `found` bytes.
+    pub(super) fn check_length(&self, found: u64) -> Result<(), Fault> {
+        match self.bytes_behind(found)? {
+            0 => Ok(()),
+            behind => Err(Fault::new(format!("bytes after the last row: {behind}"))),
+        }
+    }
+}
+
+/// Returns the number of rows and the names of the columns of an array without fields.
+fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<String>), Fault> {
+    if let Some(names) = request.columns {
+        let &[rows, count] = shape else {
+            let message = format!("the shape is ({shown}), expected (N, {})", names.len());
+            return Err(Fault::new(message).help(stack(request)));
+        };
+        if count != names.len() {
+            let message = format!(
+                "the array has {count} columns, but `columns` has {} names",
+                names.len()
+            );
+            let fault = Fault::new(message).at(Blamed::Columns);
+            return Err(fault.help("name each column; `_` is a name for one to skip"));
+        }
+        return Ok((rows, names.iter().map(|name| name.to_string()).collect()));
+    }
+    let columns = columns(request.kind());
+    let coordinates: Vec<_> = coordinates(&columns).collect();
+    let bare = coordinates.len();
+    let [with_radius, with_color, with_both] = [1, 3, 4].map(|more| bare + more);
+    let all = [bare, with_radius, with_color, with_both];
+    let usual = match columns[COLORS.start] {
+        Some(_) => &all[..],
+        None => &all[..2],
+    };
+    let is_usual = |count: usize| usual.contains(&count);
+    let (rows, count) = match shape {
+        &[rows, count] if is_usual(count) => (rows, count),
+        _ => {
+            let expected = match columns[COLORS.start] {
+                Some(_) => format!(
+                    "(N, {bare}), (N, {with_radius}) with radius, (N, {with_color}) with r, g, b, or \
+                     (N, {with_both}) with both"
+                ),
+                None => format!("(N, {bare}), or (N, {with_radius}) with scale"),
+            };
+            let fault = Fault::new(format!("the shape is ({shown}), expected {expected}"));
+            return Err(match shape {
+                [count, _] if is_usual(*count) => {
+                    let kind = request.kind().name();
+                    fault.help(format!("a row is a {kind}: save `array.T`"))
+                }
+                [_, count] if *count > bare => {
+                    let names = format!("{coordinates:?}");
+                    let names = names.trim_end_matches(']');
+                    fault.help(format!(
+                        "name the columns in the scene, such as `columns: {names}, …]`, with `_` for \
+                         one to skip"
+                    ))
+                }
+                _ => fault.help(stack(request)),
+            });
+        }
+    };
+    let is_there = |index: usize| match index {
+        RADIUS => count == with_radius || count == with_both,
+        _ if COLORS.contains(&index) => count >= with_color,
+        _ => true,
+    };
+    let names = columns.into_iter().enumerate();
+    let names = names.filter(|(index, _)| is_there(*index));
+    let names = names.filter_map(|(_, name)| name);
+    Ok((rows, names.map(str::to_owned).collect()))
+}
+
+/// Returns the help for creating an array from columns.
+fn stack(request: &Request) -> String {
+    let columns = columns(request.kind());
+    let names: Vec<_> = columns.into_iter().flatten().collect();
+    let names = names.join(", ");
+    format!("`numpy.column_stack(({names}))` makes an array of columns")
+}
+
+/// A column that is read, after its index among the cells.
+type Chosen = Option<(usize, Column)>;
+
+/// Chooses the columns that are read.
+pub(super) fn choose(cells: &[Cell], request: &Request) -> Result<(Columns<Chosen>, Names), Fault> {
+    let names: Vec<_> = cells.iter().map(|cell| cell.name.as_str()).collect();
+    let known = Known::of_array(request.kind());
+    let selection = Selection::new(&names, &known, request).map_err(|fault| {
+        let is_named = request.columns.is_some();
+        fault.at(match is_named {
+            true => Blamed::Columns,
+            false => Blamed::File,
+        })
+    })?;
+    let mut chosen = [None; _];
+    for (at, (chosen, place)) in chosen.iter_mut().zip(selection.places).enumerate() {
+        let cell = place.and_then(|place| Some((place, cells.get(place)?)));
+        if let Some((place, cell)) = cell {
+            let column = cell.column(COLORS.contains(&at));
+            let column = column.map_err(|fault| match at {
+                VALUE if request.value.is_some() => fault.blame_value(&names_of_numbers(cells)),
+                _ => fault,
+            })?;
+            *chosen = Some((place, column));
+        }
+    }
+    Ok((chosen, selection.names))
+}
+
+fn names_of_numbers(cells: &[Cell]) -> Vec<&str> {
+    let cells = cells.iter().filter(|cell| scalar(&cell.descr).is_some());
+    cells.map(|cell| cell.name.as_str()).collect()
+}
+
+impl Cell {
+    fn column(&self, is_channel: bool) -> Result<Column, Fault> {
+        let Self { name, descr, .. } = self;
+        let what = format!("column {}", quote(name));
+        let (scalar, endian) = scalar(descr).ok_or_else(|| not_numbers(&what, descr))?;
+        let divisor = match scalar {
+            Scalar::U8 if is_channel => 255.0,
+            Scalar::F16 | Scalar::F32 | Scalar::F64 => 1.0,
+            _ if is_channel => {
+                let descr = quote(descr);
+                let fault = Fault::new(format!(
+                    "the type of the {what} is {descr}, which does not determine its range"
+                ));
+                return Err(fault.help("channels are `u1`, 0 to 255, or floats, 0 to 1"));
+            }
+            _ => 1.0,
+        };
+        Ok(Column::Stored {
+            scalar,
+            endian,
+            start: self.start,
+            step: self.step,
+            divisor,
+        })
+    }
+}
+
+/// Returns the fields of a structured array.
+fn fields_of(list: &[Value]) -> Result<Descr, Fault> {
+    let mut fields = Vec::new();
+    let mut offset: usize = 0;
+    for field in list {
+        let Value::Tuple(parts) = field else {
+            return Err(Fault::new("a field in `descr` is not a tuple"));
+        };
+        let name = match parts.first() {
+            Some(Value::Text(name)) => name,
+            // A title and a name.
+            Some(Value::Tuple(names)) => match names.as_slice() {
+                [_, Value::Text(name)] => name,
+                _ => return Err(Fault::new("a field in `descr` has no name")),
+            },
+            _ => return Err(Fault::new("a field in `descr` has no name")),
+        };
+        let shown = quote(name);
+        let descr = match &parts[1..] {
+            [Value::Text(descr)] => descr,
+            [Value::List(_), ..] => {
+                let message = format!("the field {shown} has fields itself, expected a number");
+                return Err(Fault::new(message).help(FLAT));
+            }
+            [Value::Text(_), Value::Shape(shape)] => {
+                let count: Vec<_> = shape.iter().map(usize::to_string).collect();
+                let count = count.join(" times ");
+                let message =
+                    format!("the field {shown} has {count} numbers in each row, expected one");
+                return Err(Fault::new(message).help(FLAT));
+            }
+            _ => return Err(Fault::new(format!("the field {shown} has no type"))),
+        };
+        let size = size_of(descr).ok_or_else(|| not_numbers(&format!("field {shown}"), descr))?;
+        // Nameless fields fill the space between aligned ones.
+        if !name.is_empty() {
+            fields.push((name.clone(), descr.clone(), offset));
+        }
+        offset = offset
+            .checked_add(size)
+            .ok_or_else(|| Fault::new("the fields are too large"))?;
+    }
+    Ok(Descr::Fields(fields, offset))
+}
+
+/// The help for fields that are not numbers.
+const FLAT: &str =
+    "give each number a field of its own, such as `numpy.dtype([(\"x\", \"f8\"), …])`";
+
+fn not_numbers(what: &str, descr: &str) -> Fault {
+    let message = format!(
+        "the type of the {what} is {}, expected numbers",
+        quote(descr)
+    );
+    Fault {
+        help: remedy(descr).map(str::to_owned),
+        ..Fault::new(message)
+    }
+}
+
+/// Returns the help for an array of a type that is not one of numbers.
+fn remedy(descr: &str) -> Option<&'static str> {
+    Some(match descr.as_bytes() {
+        [b'|', b'O', ..] => "these are Python objects: save `array.astype(\"f8\")`",
+        [_, b'c', ..] => "complex numbers have two parts: save `array.real` or `abs(array)`",
+        [_, b'U' | b'S', ..] => "this is text: save `array.astype(\"f8\")`",
+        [_, b'M' | b'm', ..] => "these are times: save `array.astype(\"i8\").astype(\"f8\")`",
+        _ => return None,
+    })
+}
+
+/// Rejects arrays of anything but floats: integers may be colors of any range.
+fn check_usual(descr: &str) -> Result<(), Fault> {
+    match scalar(descr) {
+        Some((Scalar::F32 | Scalar::F64, _)) => Ok(()),
+        _ => {
+            let fault = Fault::new(format!(
+                "the type is {}, expected `<f4`, `<f8`, `>f4` or `>f8`",
+                quote(descr)
+            ));
+            Err(fault.help(remedy(descr).unwrap_or("save `array.astype(\"f8\")`")))
+        }
+    }
+}
+
+/// Returns the type of numbers; `None` for anything else.
+fn scalar(descr: &str) -> Option<(Scalar, Endian)> {
+    let (order, kind) = descr.split_at_checked(1)?;
+    let scalar = match kind {
+        "i1" => Scalar::I8,
+        "u1" => Scalar::U8,
+        "i2" => Scalar::I16,
+        "u2" => Scalar::U16,
+        "i4" => Scalar::I32,
+        "u4" => Scalar::U32,
+        "i8" => Scalar::I64,
+        "u8" => Scalar::U64,
+        "f2" => Scalar::F16,
+        "f4" => Scalar::F32,
+        "f8" => Scalar::F64,
+        "b1" => Scalar::Bool,
+        _ => return None,
+    };
+    let endian = match order {
+        "<" => Endian::Little,
+        ">" => Endian::Big,
+        "|" if scalar.size() == 1 => Endian::Little,
+        _ => return None,
+    };
+    Some((scalar, endian))
+}
+
+/// Returns an element as text; of one that is neither a number nor text, its type.
+fn text_of(descr: &str, bytes: &[u8]) -> String {
+    if let Some((scalar, endian)) = scalar(descr) {
+        return scalar.text(bytes, endian).unwrap_or_default();
+    }
+    let text: String = match descr.as_bytes() {
+        [_, b'S', ..] => bytes.iter().map(|byte| char::from(*byte)).collect(),
+        [order, b'U', ..] => {
+            let letters = bytes.as_chunks().0.iter().map(|bytes| match order {
+                b'>' => u32::from_be_bytes(*bytes),
+                _ => u32::from_le_bytes(*bytes),
+            });
+            letters
+                .map(|letter| char::from_u32(letter).unwrap_or(char::REPLACEMENT_CHARACTER))
+                .collect()
+        }
+        _ => return format!("({descr})"),
+    };
+    text.trim_end_matches('\0').to_owned()
+}
+
+/// Returns the size of any element in bytes; `None` for Python objects and unknown types.
+fn size_of(descr: &str) -> Option<usize> {
+    let (order, kind) = descr.split_at_checked(1)?;
+    let (kind, count) = kind.split_at_checked(1)?;
+    if !matches!(order, "<" | ">" | "|") {
+        return None;
+    }
+    // Units of time follow in brackets.
+    let count = count.split('[').next().unwrap_or_default();
+    let count: usize = count.parse().ok()?;
+    match kind {
+        "U" => count.checked_mul(4),
+        "b" | "c" | "f" | "i" | "m" | "M" | "S" | "u" | "V" => Some(count),
+        _ => None,
+    }
+}
