@@ -3,11 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::{
-    scene::format::{
-        field::{Field, Fields},
-        scene::Model,
-        thing::Type,
-    },
+    scene::format::{field::Field, scene::Model, thing::Type},
     text::nearest::nearest,
 };
 
@@ -30,19 +26,15 @@ fn add(
     seen.push(fields);
     for field in fields {
         found.extend(field.others.iter().map(|other| [*other, field.name]));
-        let mut thing = field.thing;
-        while let Some(of_type) = thing {
-            thing = None;
-            match of_type() {
-                Type::List(inside) | Type::Map(inside) => thing = Some(inside),
-                Type::Object(fields) => add(fields, found, seen),
-                Type::OneOf(variants) => {
-                    for variant in variants {
-                        found.extend(variant.others.iter().map(|other| [*other, variant.name]));
-                        add(variant.fields, found, seen);
-                    }
+        match (field.of_type)().innermost() {
+            Type::Object(object) => add(object.fields, found, seen),
+            Type::OneOf(one_of) => {
+                for variant in one_of.variants {
+                    found.extend(variant.others.iter().map(|other| [*other, variant.name]));
+                    add(variant.fields(), found, seen);
                 }
             }
+            _ => {}
         }
     }
 }

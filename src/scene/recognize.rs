@@ -3,11 +3,7 @@
 use std::{borrow::Cow, iter, ops::Range};
 
 use crate::{
-    scene::{
-        format::{field::Fields, scene::Model},
-        recover,
-        source::Source,
-    },
+    scene::{format::scene::Model, recover, source::Source},
     text::{
         nearest::nearest,
         stamp,

@@ -1,13 +1,15 @@
-//! The JSON Schema of the format, generated from the model's types.
+//! The JSON Schema of the format, printed from the declarations of its things.
 
-use schemars::generate::SchemaSettings;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::{
     scene::{
         format::{
-            geometry::solid::{COMBINED, SOLIDS},
+            animation::{CHANGING, Interpolation},
+            field::{Field, Kind, Range},
+            geometry::solid::SOLID,
             scene::Model,
+            thing::{Needs, Object, OneOf, Set, Thing, Type, Variant},
         },
         new::new_scene,
     },
@@ -36,19 +38,15 @@ pub const SCHEMA_URL: &str = concat!(
 /// # Ok::<(), serde_json::Error>(())
 /// ```
 pub fn schema() -> String {
-    let generator = SchemaSettings::draft2020_12().into_generator();
-    let mut schema = generator.into_root_schema_for::<Model>().to_value();
-    one_of(&mut schema, "Camera", ["gaze", "look_at"], &[]);
-    one_of(&mut schema, "Light", ["direction", "look_at"], &[]);
-    operands(&mut schema);
-    let surface = ["color", "material"];
-    let with_less = [&["Mesh", "Spheres", "Cylinders"][..], COMBINED].concat();
-    one_of(&mut schema, "Geometry", surface, &with_less);
-    one_of(&mut schema, "Solid", surface, SOLIDS);
-    a_mesh_is_given(&mut schema);
-    a_camera_is_given(&mut schema);
-    something_moves(&mut schema);
-    tidy(&mut schema);
+    let mut printer = Printer::default();
+    let mut schema = match Model::of_type() {
+        Type::Object(scene) => printer.object(scene, false),
+        other => printer.of(other),
+    };
+    a_mesh_is_given(&mut printer.definitions);
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("Scene");
+    schema["$defs"] = json!(printer.definitions);
     let example: Value = serde_json::from_str(new_scene(Syntax::Json)).unwrap_or_default();
     schema["examples"] = json!([example]);
     let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
@@ -56,67 +54,10 @@ pub fn schema() -> String {
     text
 }
 
-/// The description of all solids.
-const SOLID: &str =
-    "A solid, inside of another one. Its color or material may be that of the solid around it.";
-
-/// Allows only solids inside of solids: they are geometries of a definition of their own.
-fn operands(schema: &mut Value) {
-    let is_solid = |variant: &Value| {
-        let mut solids = SOLIDS.iter();
-        solids.any(|solid| !variant["properties"][solid].is_null())
-    };
-    let definitions = &mut schema["$defs"];
-    let variants = definitions["Geometry"]["oneOf"].as_array_mut();
-    for variant in variants.into_iter().flatten() {
-        for name in COMBINED {
-            let Some(fields) = variant["properties"].get_mut(name) else {
-                continue;
-            };
-            let solid = json!("#/$defs/Solid");
-            if *name == "Difference" {
-                fields["properties"]["of"]["$ref"] = solid.clone();
-                fields["properties"]["minus"]["items"]["$ref"] = solid;
-            } else {
-                fields["properties"]["of"]["items"]["$ref"] = solid;
-            }
-        }
-    }
-    let mut solid = definitions["Geometry"].clone();
-    if let Some(variants) = solid["oneOf"].as_array_mut() {
-        variants.retain(is_solid);
-    }
-    solid["description"] = json!(SOLID);
-    definitions["Solid"] = solid;
-}
-
-/// Requires exactly one of two fields in the variants of a definition that have both; `null` counts as
-/// missing. Those of `at_most` may have neither.
-fn one_of(schema: &mut Value, definition: &str, pair: [&str; 2], at_most: &[&str]) {
-    let some = json!({"not": {"type": "null"}});
-    let given = pair.map(|field| json!({"required": [field], "properties": {field: some}}));
-    let variants = schema["$defs"][definition]["oneOf"].as_array_mut();
-    let properties = variants.into_iter().flatten();
-    let properties = properties.filter_map(|variant| variant["properties"].as_object_mut());
-    for (name, variant) in properties.flatten() {
-        if pair
-            .iter()
-            .any(|field| variant["properties"][field].is_null())
-        {
-            continue;
-        }
-        if at_most.contains(&name.as_str()) {
-            variant["not"] = json!({"allOf": given});
-        } else {
-            variant["oneOf"] = json!(given);
-        }
-    }
-}
-
 /// Requires a mesh in a file, or its vertices and triangles; `null` counts as missing.
-fn a_mesh_is_given(schema: &mut Value) {
+fn a_mesh_is_given(definitions: &mut Map<String, Value>) {
     let (some, none) = (json!({"not": {"type": "null"}}), json!({"type": "null"}));
-    let variants = schema["$defs"]["Geometry"]["oneOf"].as_array_mut();
+    let variants = definitions["Geometry"]["oneOf"].as_array_mut();
     let mut properties = variants.into_iter().flatten();
     let mesh = properties.find_map(|variant| variant["properties"].get_mut("Mesh"));
     if let Some(mesh) = mesh {
@@ -130,41 +71,368 @@ fn a_mesh_is_given(schema: &mut Value) {
                 "properties": {
                     "file": none, "vertices": some, "triangles": some, "color_by": none,
                 },
-                "anyOf": [
-                    {"required": ["color"], "properties": {"color": some}},
-                    {"required": ["material"], "properties": {"material": some}},
-                ],
+                "anyOf": [given("color", &some), given("material", &some)],
             },
         ]);
     }
 }
 
-/// Requires a camera, with or without a name; `null` counts as missing.
-fn a_camera_is_given(schema: &mut Value) {
-    let some = json!({"type": "object", "minProperties": 1});
-    let given = |field: &str| json!({"required": [field], "properties": {field: some}});
-    schema["anyOf"] = json!([given("camera"), given("cameras")]);
+/// Requires a field with such a value.
+fn given(field: &str, value: &Value) -> Value {
+    json!({"required": [field], "properties": {field: value}})
 }
 
-/// Requires tracks or an orbit in an animation; `null` counts as missing.
-fn something_moves(schema: &mut Value) {
-    let some = json!({"type": "object"});
-    let given = |field: &str| json!({"required": [field], "properties": {field: some}});
-    schema["$defs"]["Animation"]["anyOf"] = json!([given("tracks"), given("orbit")]);
+/// Prints types, with the definitions that they refer to.
+#[derive(Default)]
+struct Printer {
+    definitions: Map<String, Value>,
 }
 
-/// Removes parts that editors do not show well: line breaks inside of sentences, and formats that
-/// only name Rust's types.
-fn tidy(schema: &mut Value) {
-    match schema {
-        Value::Object(fields) => {
-            fields.remove("format");
-            if let Some(Value::String(description)) = fields.get_mut("description") {
-                *description = description.replace('\n', " ");
+impl Printer {
+    fn of(&mut self, of: Type) -> Value {
+        match of {
+            Type::Flag => json!({"type": "boolean"}),
+            Type::Value(kind) => self.value(kind),
+            Type::Whole(all) => {
+                let (mut node, all) = (json!({"type": "integer", "minimum": 0}), all());
+                if !all.is_empty() {
+                    node["enum"] = json!(all);
+                }
+                node
             }
-            fields.values_mut().for_each(tidy);
+            Type::Text => json!({"type": "string"}),
+            Type::Name | Type::NameOfGeometry => json!({"type": "string", "minLength": 1}),
+            Type::NameOfMaterial => json!({
+                "type": "string",
+                "description": "The name of one of the scene's `materials`.",
+            }),
+            Type::File(endings) => json!({"type": "string", "pattern": pattern(endings)}),
+            Type::Word(words) => self.defined(
+                words.name,
+                |_| json!({"description": words.docs, "enum": (words.all)()}),
+            ),
+            Type::Matrix => self.defined("Matrix", |_| {
+                json!({
+                    "description": "Three rows of four numbers.",
+                    "type": "array",
+                    "items": numbers(4),
+                    "minItems": 3,
+                    "maxItems": 3,
+                })
+            }),
+            Type::Tuple(item, count) => {
+                let item = self.of(item());
+                json!({"type": "array", "items": item, "minItems": count, "maxItems": count})
+            }
+            Type::List(item, least) => {
+                let mut node = json!({"type": "array", "items": self.of(item())});
+                if least > 0 {
+                    node["minItems"] = json!(least);
+                }
+                node
+            }
+            Type::Map(value, pattern) => {
+                let value = self.of(value());
+                let mut node = json!({"type": "object", "additionalProperties": value});
+                if let Some(pattern) = pattern {
+                    node["propertyNames"] = json!({"pattern": pattern});
+                }
+                node
+            }
+            Type::Tracks => self.tracks(),
+            Type::Object(object) => self.defined(object.name, |it| it.object(object, false)),
+            Type::OneOf(one_of) => self.defined(one_of.name, |it| it.one_of(one_of)),
         }
-        Value::Array(items) => items.iter_mut().for_each(tidy),
-        _ => {}
+    }
+
+    /// Returns a reference to a definition, which is added.
+    fn defined(&mut self, name: &str, print: impl FnOnce(&mut Self) -> Value) -> Value {
+        if !self.definitions.contains_key(name) {
+            // It may refer to itself.
+            self.definitions.insert(name.to_owned(), Value::Null);
+            let node = print(self);
+            self.definitions.insert(name.to_owned(), node);
+        }
+        json!({"$ref": format!("#/$defs/{name}")})
+    }
+
+    fn value(&mut self, kind: Kind) -> Value {
+        let mut node = match kind {
+            Kind::Color => return self.defined("Color", |_| color()),
+            Kind::Scale => return self.defined("Scale", |_| scale()),
+            Kind::Point => numbers(3),
+            Kind::Direction | Kind::Way => {
+                let mut node = numbers(3);
+                node["not"] = json!({"const": [0, 0, 0]});
+                node
+            }
+            Kind::Interval => numbers(2),
+            Kind::Count { .. } | Kind::Depth => json!({"type": "integer"}),
+            _ => json!({"type": "number"}),
+        };
+        if let Some(range) = kind.range() {
+            for (key, bound) in bounds(range) {
+                node[key] = bound;
+            }
+        }
+        node
+    }
+
+    /// Prints an object; one inside of a solid may take the color and the material of that.
+    fn object(&mut self, object: &Object, is_inside: bool) -> Value {
+        let mut node = json!({
+            "type": "object",
+            "description": object.docs,
+            "additionalProperties": false,
+        });
+        let properties = object.fields.iter();
+        let properties = properties.map(|field| (field.name.to_owned(), self.field(field)));
+        let properties: Map<_, _> = properties.collect();
+        if !properties.is_empty() {
+            node["properties"] = json!(properties);
+        }
+        let required = object.fields.iter().filter(|field| field.is_required);
+        let required: Vec<_> = required.map(|field| field.name).collect();
+        if !required.is_empty() {
+            node["required"] = json!(required);
+        }
+        for set in object.sets {
+            let given = given_of(set, object);
+            match set.needs {
+                Needs::One if !is_inside => node["oneOf"] = given,
+                Needs::One | Needs::AtMostOne => node["not"] = json!({"allOf": given}),
+                Needs::Any => node["anyOf"] = given,
+            }
+        }
+        node
+    }
+
+    fn field(&mut self, field: &Field) -> Value {
+        let mut node = self.of((field.of_type)());
+        if !field.is_required {
+            node = or_null(node);
+        }
+        node["description"] = json!(field.docs);
+        if let Some(default) = field.default {
+            node["default"] = whole(default());
+        }
+        node
+    }
+
+    fn one_of(&mut self, one_of: &OneOf) -> Value {
+        let is_inside = std::ptr::eq(one_of, &*SOLID);
+        let variants = one_of.variants.iter();
+        let variants: Vec<_> = variants.map(|one| self.variant(one, is_inside)).collect();
+        json!({"description": one_of.docs, "oneOf": variants})
+    }
+
+    fn variant(&mut self, variant: &Variant, is_inside: bool) -> Value {
+        let (name, docs) = (variant.name, variant.docs);
+        let Some(content) = variant.content else {
+            return json!({"type": "string", "description": docs, "const": name});
+        };
+        let content = match content() {
+            Type::Object(object) => self.object(object, is_inside),
+            other => self.of(other),
+        };
+        json!({
+            "type": "object",
+            "description": docs,
+            "properties": {name: content},
+            "required": [name],
+            "additionalProperties": false,
+        })
+    }
+
+    /// Prints tracks, by the kinds of what their paths lead to.
+    fn tracks(&mut self) -> Value {
+        type Is = fn(Kind) -> bool;
+        let element = "\\[\\s*[0-9]+\\s*\\]\\s*";
+        let all: [(_, _, _, Is, _); 6] = [
+            (
+                "NumberKey",
+                "a number",
+                Kind::Number,
+                Kind::has_elements,
+                element,
+            ),
+            ("NumberKey", "a number", Kind::Number, Kind::is_number, ""),
+            (
+                "ScaleKey",
+                "a number or three numbers",
+                Kind::Scale,
+                |kind| kind == Kind::Scale,
+                "",
+            ),
+            (
+                "VectorKey",
+                "a point or a direction",
+                Kind::Point,
+                Kind::is_vector,
+                "",
+            ),
+            (
+                "RangeKey",
+                "a range",
+                Kind::Interval,
+                |kind| kind == Kind::Interval,
+                "",
+            ),
+            (
+                "ColorKey",
+                "a color",
+                Kind::Color,
+                |kind| kind == Kind::Color,
+                "",
+            ),
+        ];
+        let mut keys = Map::new();
+        for (name, what, value, is_it, end) in all {
+            let key = self.defined(name, |it| it.key(what, value));
+            let list = json!({"type": "array", "minItems": 1, "items": key});
+            keys.insert(paths(is_it, end), list);
+        }
+        json!({"type": "object", "patternProperties": keys, "additionalProperties": false})
+    }
+
+    /// Prints a key; `what` describes its value in a few words.
+    fn key(&mut self, what: &str, value: Kind) -> Value {
+        let value = self.value(value);
+        let step = self.of(Interpolation::of_type());
+        json!({
+            "description": format!(
+                "A key: seconds from 0, {what}, and maybe how the value gets here from the key \
+                 before."
+            ),
+            "type": "array",
+            "prefixItems": [{"type": "number", "minimum": 0}, value, step],
+            "minItems": 2,
+            "maxItems": 3,
+        })
+    }
+}
+
+/// Returns what each field of a set requires; `null` counts as missing.
+fn given_of(set: &Set, object: &Object) -> Value {
+    let given = set.fields.map(|name| {
+        let field = object.fields.iter().find(|field| field.name == name);
+        let some = match (set.needs, field.map(|field| (field.of_type)())) {
+            (Needs::One | Needs::AtMostOne, _) => json!({"not": {"type": "null"}}),
+            (Needs::Any, Some(Type::Map(..) | Type::OneOf(_))) => {
+                json!({"type": "object", "minProperties": 1})
+            }
+            (Needs::Any, _) => json!({"type": "object"}),
+        };
+        given(name, &some)
+    });
+    json!(given)
+}
+
+/// Returns the pattern of the paths to the fields of some kinds. Of what lies between the first and
+/// the last name it knows nothing.
+fn paths(is_it: fn(Kind) -> bool, end: &str) -> String {
+    let roots = CHANGING.iter().filter_map(|(root, fields)| {
+        let names = fields.iter().filter(|field| is_it(field.kind));
+        let names: Vec<_> = names.map(|field| field.name).collect();
+        let way = match (root.of_type)() {
+            _ if names.is_empty() => return None,
+            Type::Value(_) => return Some(root.name.to_owned()),
+            Type::Object(_) => "\\s*",
+            _ => "\\b.*",
+        };
+        Some(format!("{}{way}\\.\\s*({})", root.name, names.join("|")))
+    });
+    let roots: Vec<_> = roots.collect();
+    format!("^\\s*({})\\s*{end}$", roots.join("|"))
+}
+
+fn numbers(count: usize) -> Value {
+    json!({"type": "array", "items": {"type": "number"}, "minItems": count, "maxItems": count})
+}
+
+fn color() -> Value {
+    json!({
+        "description": "Three numbers in 0..1 (red, green, blue; display values, sRGB), or a string \
+                        \"#rrggbb\" or \"#rgb\".",
+        "anyOf": [
+            numbers(3),
+            {"type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$"},
+        ],
+        "examples": ["#ff8000", [1, 0.5, 0]],
+    })
+}
+
+fn scale() -> Value {
+    json!({
+        "description": "The factor of all lengths, or the factors along x, y and z.",
+        "anyOf": [{"type": "number", "not": {"const": 0}}, numbers(3)],
+        "examples": [2, [1, 1, 0.5]],
+    })
+}
+
+/// Returns the bounds of a range, each with its key.
+fn bounds(range: Range) -> Vec<(&'static str, Value)> {
+    let least = |least: Value| ("minimum", least);
+    let above = |least: u32| ("exclusiveMinimum", json!(least));
+    let most = |most: Value| ("maximum", most);
+    let below = |most: Value| ("exclusiveMaximum", most);
+    match range {
+        Range::Above(low) => vec![above(low)],
+        Range::Degrees(low, high) => vec![above(low), below(json!(high))],
+        Range::From(low, high) => vec![least(json!(low)), most(json!(high))],
+        Range::Within(low, high) => vec![least(json!(low)), most(json!(high))],
+        Range::AboveUpTo(low, high) => vec![above(low), most(json!(high))],
+        Range::AtLeast(low) => vec![least(json!(low))],
+        Range::FromToBelow(low, high) => vec![least(json!(low)), below(json!(high))],
+    }
+}
+
+/// Returns the pattern of the names with some endings, in either case.
+fn pattern(endings: &[&str]) -> String {
+    let either = |letter: char| format!("{letter}{}", letter.to_ascii_uppercase());
+    let groups = endings.chunk_by(|one, other| one.get(..2) == other.get(..2));
+    let groups = groups.map(|group| {
+        let Some(first) = group.first() else {
+            return String::new();
+        };
+        // Endings that differ in the last letter only are one.
+        let places = first.char_indices().map(|(at, letter)| {
+            let mut letters: Vec<_> = group
+                .iter()
+                .filter_map(|one| one[at..].chars().next())
+                .collect();
+            letters.dedup();
+            match letters.len() {
+                1 => format!("[{}]", either(letter)),
+                _ => format!("[{}]", letters.into_iter().map(either).collect::<String>()),
+            }
+        });
+        places.collect()
+    });
+    let groups: Vec<String> = groups.collect();
+    format!("\\.({})$", groups.join("|"))
+}
+
+/// Allows `null` as well.
+fn or_null(mut node: Value) -> Value {
+    if !node["$ref"].is_null() {
+        return json!({"anyOf": [node, {"type": "null"}]});
+    }
+    node["type"] = json!([node["type"], "null"]);
+    if let Some(all) = node.get_mut("enum").and_then(Value::as_array_mut) {
+        all.push(Value::Null);
+    }
+    node
+}
+
+/// Writes whole numbers without a fraction.
+fn whole(value: Value) -> Value {
+    match value {
+        Value::Array(items) => items.into_iter().map(whole).collect(),
+        Value::Number(number) => match number.as_f64() {
+            Some(float) if float == float.trunc() && float.abs() < 1e15 => json!(float as i64),
+            _ => Value::Number(number),
+        },
+        other => other,
     }
 }

@@ -4,7 +4,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, path::Step},
     scene::{
         format::{
-            field::{Field, Fields},
+            field::Field,
             geometry::{GeometryModel, PartModel, nesting::Ordinal},
             light::LightModel,
             scene::Model,

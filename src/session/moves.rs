@@ -129,7 +129,7 @@ impl Checked {
         let mut rewrite = Rewrite::new(&self.document);
         let fields = GeometryModel::VARIANTS
             .iter()
-            .flat_map(|variant| variant.fields);
+            .flat_map(|variant| variant.fields());
         let places = fields.filter(|field| field.kind == Kind::Point);
         let places: BTreeSet<_> = places.map(|field| field.name).collect();
         let found = places.into_iter().map(|name| path.field(name));

@@ -14,13 +14,12 @@ use crate::{
             },
             camera::CameraModel,
             color::ColorModel,
-            field::{Field, Fields, Kind, Triple},
+            field::{Field, Kind, Triple},
             fit::ProjectionModel,
             geometry::GeometryModel,
             light::LightModel,
             material::MaterialModel,
             scene::Model,
-            thing::Type,
             transform::ScaleModel::{Axes, Uniform},
         },
         schema::schema,
@@ -263,15 +262,15 @@ fn the_fields_are_those_of_the_format() {
     let lights = LightModel::VARIANTS.iter().map(|of| ("Light", of));
     // A name has no fields.
     let materials = MaterialModel::VARIANTS.iter();
-    let materials = materials.filter(|variant| !variant.fields.is_empty());
+    let materials = materials.filter(|variant| !variant.fields().is_empty());
     let materials = materials.map(|of| ("Material", of));
     let projections = ProjectionModel::VARIANTS.iter();
-    let projections = projections.filter(|variant| !variant.fields.is_empty());
+    let projections = projections.filter(|variant| !variant.fields().is_empty());
     let projections = projections.map(|of| ("Projection", of));
     let all = cameras.chain(geometries).chain(lights).chain(materials);
     let all = all.chain(projections);
     for (definition, variant) in all {
-        let (name, fields) = (variant.name, variant.fields);
+        let (name, fields) = (variant.name, variant.fields());
         let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
         let mut bodies = variants.iter().map(|all| &all["properties"][name]);
         let body = bodies.find(|body| body.is_object()).unwrap();
@@ -291,18 +290,9 @@ fn fields_of_one_name_are_of_one_kind() {
         };
         let other = *known.entry(field.name).or_insert(kind);
         assert_eq!(other, kind, "{}", field.name);
-        let mut thing = field.thing.filter(|_| depth < 5);
-        while let Some(of_type) = thing {
-            thing = match of_type() {
-                Type::List(inside) | Type::Map(inside) => Some(inside),
-                object => {
-                    object
-                        .fields()
-                        .for_each(|field| check(field, known, depth + 1));
-                    None
-                }
-            };
-        }
+        let inside = (field.of_type)().innermost().fields();
+        let inside = inside.filter(|_| depth < 5);
+        inside.for_each(|field| check(field, known, depth + 1));
     }
     for root in Model::FIELDS {
         check(root, &mut HashMap::new(), 0);

@@ -5,11 +5,7 @@ use std::{collections::HashMap, fmt::Write as _};
 use super::{Completion, CompletionKind, names::written, schema_type::key, spot::Finder};
 use crate::{
     scene::{
-        format::{
-            field::{Field, Fields},
-            scene::Model,
-            thing::Type,
-        },
+        format::{field::Field, scene::Model, thing::Type},
         locate::body,
     },
     text::syntax::NodeId,
@@ -73,14 +69,11 @@ impl Paths<'_, '_> {
                 path => format!("{path}.{}", field.name),
             };
             let value = given.get(field.name);
-            if let (Some(of_type), Some(value)) = (field.thing, value) {
-                self.add(&path, of_type(), *value);
-            } else if !field.kind.changes() {
-                // Nothing that a track could change.
-            } else if value.is_some() {
-                self.found.push(path);
-            } else if field.has_start {
-                self.defaults.push(path);
+            match value {
+                Some(value) if !field.kind.changes() => self.add(&path, (field.of_type)(), *value),
+                Some(_) => self.found.push(path),
+                None if field.has_start && field.kind.changes() => self.defaults.push(path),
+                None => {}
             }
         }
     }
@@ -89,8 +82,8 @@ impl Paths<'_, '_> {
     fn add(&mut self, path: &str, of_type: Type, thing: NodeId) {
         let tree = self.finder.tree;
         match of_type {
-            Type::Object(fields) => self.add_fields(path, fields, thing),
-            Type::OneOf(variants) => {
+            Type::Object(object) => self.add_fields(path, object.fields, thing),
+            Type::OneOf(one_of) => {
                 let inside = body(tree, thing);
                 let name = match inside {
                     Some(_) => tree
@@ -102,19 +95,20 @@ impl Paths<'_, '_> {
                         .name()
                         .map(|name| self.finder.at(name).into()),
                 };
-                let variant = variants
+                let variant = one_of
+                    .variants
                     .iter()
                     .find(|known| name.as_deref() == Some(known.name));
                 if let Some(variant) = variant {
-                    self.add_fields(path, variant.fields, inside.unwrap_or(thing));
+                    self.add_fields(path, variant.fields(), inside.unwrap_or(thing));
                 }
             }
-            Type::Map(of_type) => {
+            Type::Map(of_type, _) => {
                 for (key, value) in tree.fields(thing).take(MOST) {
                     self.add(&step(path, &self.finder.name(key)), of_type(), value);
                 }
             }
-            Type::List(of_type) => {
+            Type::List(of_type, _) => {
                 let root = path.split(['.', '[']).next().unwrap_or_default();
                 for (index, item) in tree.children(thing).enumerate().take(MOST) {
                     let is_counted =
@@ -127,6 +121,7 @@ impl Paths<'_, '_> {
                     self.add(&path, of_type(), item);
                 }
             }
+            _ => {}
         }
     }
 

@@ -1,15 +1,14 @@
 //! The `camera` of a scene file.
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
-        field::{Triple, variants},
+        field::Triple,
         fit::{FitModel, ProjectionModel},
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
+        variants::variants,
     },
     tracer::{camera::Camera, error::GeometryError},
 };
@@ -17,16 +16,16 @@ use crate::{
 /// The default up direction.
 pub(crate) const UP: Triple = [0.0, 1.0, 0.0];
 
-/// A camera: the viewpoint of the scene and its projection.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Camera", deny_unknown_fields)]
-pub enum CameraModel {
-    /// A pinhole camera: all rays start at the eye.
-    Perspective(PerspectiveModel),
-    /// A camera with parallel rays: distance does not change size.
-    Orthographic(OrthographicModel),
-    /// A camera that frames all bounded geometries.
-    Fit(FitModel),
+variants! {
+    /// A camera: the viewpoint of the scene and its projection.
+    pub enum CameraModel = "Camera" {
+        /// A pinhole camera: all rays start at the eye.
+        Perspective(PerspectiveModel) | PerspectiveCamera,
+        /// A camera with parallel rays: distance does not change size.
+        Orthographic(OrthographicModel) | OrthographicCamera,
+        /// A camera that frames all bounded geometries.
+        Fit(FitModel),
+    }
 }
 
 /// The directions of a camera, with the defaults filled in.
@@ -96,14 +95,6 @@ pub(crate) struct Pose<'m> {
     pub(crate) gaze: &'m mut Option<Triple>,
     pub(crate) look_at: &'m mut Option<Triple>,
     pub(crate) up: &'m mut Option<Triple>,
-}
-
-variants! {
-    CameraModel {
-        Perspective(PerspectiveModel) | PerspectiveCamera,
-        Orthographic(OrthographicModel) | OrthographicCamera,
-        Fit(FitModel),
-    }
 }
 
 impl CameraModel {

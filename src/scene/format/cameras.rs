@@ -1,8 +1,5 @@
 //! The named cameras of a scene.
 
-use std::borrow::Cow;
-
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::MapAccess;
 
 use crate::scene::format::{
@@ -16,6 +13,9 @@ pub type CamerasModel = Map<CameraModel>;
 /// Characters that the name of a camera must not contain: it becomes a part of file names, on any
 /// system.
 const NOT_OF_A_FILE: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
+
+/// The pattern of the names of cameras.
+pub(crate) const NAMES: &str = "^[^./\\\\:*?\"<>|\\u0000-\\u001f\\u007f-\\u009f][^/\\\\:*?\"<>|\\u0000-\\u001f\\u007f-\\u009f]*$";
 
 /// Returns the reason why a string cannot name a camera, if it cannot.
 pub(crate) fn fault_of_name(name: &str) -> Option<String> {
@@ -36,27 +36,6 @@ impl<'de> Entry<'de> for CameraModel {
 
     fn read<A: MapAccess<'de>>(_name: &str, map: &mut A) -> Result<Self, A::Error> {
         map.next_value()
-    }
-}
-
-impl JsonSchema for CamerasModel {
-    fn schema_name() -> Cow<'static, str> {
-        "Cameras".into()
-    }
-
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let camera = generator.subschema_for::<CameraModel>();
-        json_schema!({
-            "type": "object",
-            "additionalProperties": camera,
-            "propertyNames": {
-                "pattern": "^[^./\\\\:*?\"<>|\\u0000-\\u001f\\u007f-\\u009f][^/\\\\:*?\"<>|\\u0000-\\u001f\\u007f-\\u009f]*$",
-            },
-        })
     }
 }
 

@@ -1,8 +1,7 @@
 //! A color in a scene file.
 
-use std::{borrow::Cow, fmt};
+use std::fmt;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
     de::{Error as _, SeqAccess, Unexpected, Visitor},
@@ -99,25 +98,6 @@ impl<'de> Deserialize<'de> for ColorModel {
         }
 
         deserializer.deserialize_any(ColorVisitor)
-    }
-}
-
-impl JsonSchema for ColorModel {
-    fn schema_name() -> Cow<'static, str> {
-        "Color".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let channels = generator.subschema_for::<Triple>();
-        json_schema!({
-            "description": "Three numbers in 0..1 (red, green, blue; display values, sRGB), or a \
-                            string \"#rrggbb\" or \"#rgb\".",
-            "anyOf": [
-                channels,
-                {"type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$"},
-            ],
-            "examples": ["#ff8000", [1, 0.5, 0]],
-        })
     }
 }
 

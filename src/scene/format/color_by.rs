@@ -1,10 +1,7 @@
 //! Colors by the values of a column, in a scene file.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, field::Kind, object::object, thing::Type, variants::words},
     tracer::colormap::{Colormap, scale::ColorScale},
 };
 
@@ -12,7 +9,7 @@ object! {
     /// Colors by the values of a column.
     pub struct ColorByModel = "ColorBy" {
         /// The name of the column; its values are numbers.
-        column: Other(Box<str>),
+        column: Text(Box<str>),
         /// The values of the first and the last color of the map; values outside are clamped. The
         /// smallest and the largest value of the column are the default.
         range: Interval?,
@@ -23,25 +20,26 @@ object! {
     }
 }
 
-/// The colors of values. Between two colors, display values are interpolated.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Colormap", deny_unknown_fields)]
-pub enum ColormapModel {
-    /// Dark blue, green, yellow; even steps for the eye.
-    #[default]
-    Viridis,
-    /// Dark blue to yellow; the same to most people with a color vision deficiency.
-    Cividis,
-    /// Black, red, light yellow.
-    Inferno,
-    /// A rainbow: dark blue, green, dark red.
-    Turbo,
-    /// Blue, light gray, red; for values with a middle.
-    Coolwarm,
-    /// Black to white.
-    Gray,
-    /// These colors at equal steps; at least two.
-    Colors(#[schemars(extend("minItems" = 2))] Vec<ColorModel>),
+words! {
+    /// The colors of values. Between two colors, display values are interpolated.
+    #[derive(Default)]
+    pub enum ColormapModel = "Colormap" {
+        /// Dark blue, green, yellow; even steps for the eye.
+        #[default]
+        Viridis,
+        /// Dark blue to yellow; the same to most people with a color vision deficiency.
+        Cividis,
+        /// Black, red, light yellow.
+        Inferno,
+        /// A rainbow: dark blue, green, dark red.
+        Turbo,
+        /// Blue, light gray, red; for values with a middle.
+        Coolwarm,
+        /// Black to white.
+        Gray,
+        /// These colors at equal steps; at least two.
+        Colors(Vec<ColorModel>): Type::List(|| Type::Value(Kind::Color), 2),
+    }
 }
 
 impl ColorByModel {

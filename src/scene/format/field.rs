@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use schemars::Schema;
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
 use crate::{
     scene::format::{color::ColorModel, thing::Type, transform::ScaleModel},
@@ -65,8 +64,6 @@ pub(crate) enum Kind {
     Interval,
     /// A color.
     Color,
-    /// A name.
-    Name,
     /// Anything else, which no number can set and no track can change.
     Fixed,
 }
@@ -95,7 +92,6 @@ impl Kind {
             | Self::Direction
             | Self::Interval
             | Self::Color
-            | Self::Name
             | Self::Fixed => false,
         }
     }
@@ -112,34 +108,7 @@ impl Kind {
 
     /// Returns true if a field of this kind can change over time.
     pub(crate) const fn changes(self) -> bool {
-        !matches!(
-            self,
-            Self::Count { .. } | Self::Depth | Self::Name | Self::Fixed
-        )
-    }
-
-    /// Returns what a JSON Schema says of it beside its type.
-    fn rules(self) -> Json {
-        match self {
-            Self::Direction | Self::Way => json!({"not": {"const": [0, 0, 0]}}),
-            Self::Name => json!({"minLength": 1}),
-            _ => match self.range() {
-                Some(Range::Above(least)) => json!({"exclusiveMinimum": least}),
-                Some(Range::Degrees(least, most)) => {
-                    json!({"exclusiveMinimum": least, "exclusiveMaximum": most})
-                }
-                Some(Range::From(least, most)) => json!({"minimum": least, "maximum": most}),
-                Some(Range::Within(least, most)) => json!({"minimum": least, "maximum": most}),
-                Some(Range::AboveUpTo(least, most)) => {
-                    json!({"exclusiveMinimum": least, "maximum": most})
-                }
-                Some(Range::AtLeast(least)) => json!({"minimum": least}),
-                Some(Range::FromToBelow(least, most)) => {
-                    json!({"minimum": least, "exclusiveMaximum": most})
-                }
-                None => Json::Null,
-            },
-        }
+        !matches!(self, Self::Count { .. } | Self::Depth | Self::Fixed)
     }
 
     /// Returns the valid range of its numbers.
@@ -166,7 +135,6 @@ impl Kind {
             | Self::Direction
             | Self::Interval
             | Self::Color
-            | Self::Name
             | Self::Fixed => None,
         }
     }
@@ -221,40 +189,6 @@ impl fmt::Display for Range {
     }
 }
 
-/// Adds the rules of the fields to the schema of a struct.
-pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
-    add_rules(T::FIELDS, schema);
-}
-
-/// Apart, so that it is not compiled for every struct.
-fn add_rules(fields: &[Field], schema: &mut Schema) {
-    let properties = schema.get_mut("properties").and_then(Json::as_object_mut);
-    for (name, property) in properties.into_iter().flatten() {
-        let field = fields.iter().find(|field| field.name == name);
-        let (Some(field), Json::Object(property)) = (field, property) else {
-            continue;
-        };
-        if let Some(default) = field.default {
-            property.insert("default".to_owned(), whole(default()));
-        }
-        if let Json::Object(rules) = field.kind.rules() {
-            property.extend(rules);
-        }
-    }
-}
-
-/// Writes whole numbers without a fraction.
-fn whole(value: Json) -> Json {
-    match value {
-        Json::Array(items) => items.into_iter().map(whole).collect(),
-        Json::Number(number) => match number.as_f64() {
-            Some(float) if float == float.trunc() && float.abs() < 1e15 => json!(float as i64),
-            _ => Json::Number(number),
-        },
-        other => other,
-    }
-}
-
 /// The value of a field.
 pub(crate) enum Value<'m> {
     Number(f64),
@@ -276,91 +210,17 @@ pub(crate) enum Slot<'m> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Field {
     pub(crate) name: &'static str,
+    pub(crate) docs: &'static str,
     /// Its names in other programs.
     pub(crate) others: &'static [&'static str],
     pub(crate) kind: Kind,
+    pub(crate) is_required: bool,
     /// Its default, if it has one.
     pub(crate) default: Option<fn() -> Json>,
     /// True if a track can begin without its being given.
     pub(crate) has_start: bool,
-    /// The type of what is in it, if that has fields or is a list or a map of such.
-    pub(crate) thing: Option<fn() -> Type>,
+    pub(crate) of_type: fn() -> Type,
 }
-
-/// A struct of the format with fields.
-pub(crate) trait Fields {
-    /// All fields.
-    const FIELDS: &'static [Field];
-
-    /// Calls `see` for every field that is given and has a value.
-    fn each<'m>(&'m self, see: impl FnMut(Field, Value<'m>));
-}
-
-/// Forwards an enum of structs to the fields of its current variant.
-macro_rules! variants {
-    ($model:ident { $($variant:ident($thing:ty) $(| $other:ident)*),* $(,)? }) => {
-        impl $model {
-            /// All variants with their fields.
-            pub(crate) const VARIANTS: &'static [$crate::scene::format::thing::Variant] = &[$(
-                $crate::scene::format::thing::Variant {
-                    name: stringify!($variant),
-                    others: &[$(stringify!($other)),*],
-                    fields: <$thing as $crate::scene::format::field::Fields>::FIELDS,
-                },
-            )*];
-
-            /// Calls `see` for every field that is given and has a value.
-            #[inline]
-            pub(crate) fn each<'m>(
-                &'m self,
-                see: impl FnMut(
-                    $crate::scene::format::field::Field,
-                    $crate::scene::format::field::Value<'m>,
-                ),
-            ) {
-                use $crate::scene::format::field::Fields;
-                match self {
-                    $(Self::$variant(thing) => thing.each(see)),*
-                }
-            }
-        }
-
-        impl $crate::scene::format::thing::Thing for $model {
-            fn of_type() -> $crate::scene::format::thing::Type {
-                $crate::scene::format::thing::Type::OneOf(Self::VARIANTS)
-            }
-
-            fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
-                match self {
-                    $(Self::$variant(thing) => thing.fields()),*
-                }
-            }
-
-            fn has(&self, field: &str) -> bool {
-                match self {
-                    $(Self::$variant(thing) => thing.has(field)),*
-                }
-            }
-
-            fn slot(&mut self, field: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
-                match self {
-                    $(Self::$variant(thing) => thing.slot(field)),*
-                }
-            }
-
-            fn things(
-                &self,
-                see: $crate::scene::format::thing::See,
-            ) -> std::ops::ControlFlow<()> {
-                match self {
-                    $(Self::$variant(thing) => thing.things(see)),*
-                }
-            }
-        }
-    };
-}
-
-pub(crate) use variants;
 
 /// A field type with a value.
 pub(crate) trait Held {

@@ -1,16 +1,15 @@
 //! The camera of a scene file that frames what it sees.
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
         camera::{CameraModel, UP},
-        field::{Triple, variants},
+        field::Triple,
         object::object,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
+        variants::variants,
     },
     tracer::{
         camera::{
@@ -25,7 +24,6 @@ use crate::{
 object! {
     /// A camera that frames all bounded geometries: its eye is as close as the margin allows.
     #[derive(Default)]
-    #[schemars(inline)]
     pub struct FitModel = "Fit" {
         /// The direction from the geometries to the eye, of any length; the camera looks the other way.
         /// (1, 0.6, 1) is the default.
@@ -40,20 +38,19 @@ object! {
     }
 }
 
-/// The projection of a camera that frames what it sees.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Projection", deny_unknown_fields)]
-pub enum ProjectionModel {
-    /// All rays start at the eye.
-    Perspective(PerspectiveProjectionModel),
-    /// All rays are parallel: what is far is as large as what is near. The eye is one height of the
-    /// picture in front of the nearest point.
-    Orthographic(OrthographicProjectionModel),
+variants! {
+    /// The projection of a camera that frames what it sees.
+    pub enum ProjectionModel = "Projection" {
+        /// All rays start at the eye.
+        Perspective(PerspectiveProjectionModel),
+        /// All rays are parallel: what is far is as large as what is near. The eye is one height of the
+        /// picture in front of the nearest point.
+        Orthographic(OrthographicProjectionModel),
+    }
 }
 
 object! {
     /// All rays start at the eye.
-    #[schemars(inline)]
     pub struct PerspectiveProjectionModel = "Perspective" {
         /// The full vertical angle of view in degrees, above 0 and below 180.
         fov | alpha | angle | half_angle: Angle,
@@ -63,7 +60,6 @@ object! {
 object! {
     /// All rays are parallel.
     #[derive(Default)]
-    #[schemars(inline)]
     pub struct OrthographicProjectionModel = "Orthographic" {}
 }
 
@@ -129,12 +125,5 @@ impl FitModel {
 impl Default for ProjectionModel {
     fn default() -> Self {
         Self::Perspective(PerspectiveProjectionModel { fov: 35.0 })
-    }
-}
-
-variants! {
-    ProjectionModel {
-        Perspective(PerspectiveProjectionModel),
-        Orthographic(OrthographicProjectionModel),
     }
 }

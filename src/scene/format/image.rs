@@ -1,11 +1,8 @@
 //! The size of the picture in a scene file.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
     film::{samples::Samples, size::Size},
-    scene::format::object::object,
+    scene::format::{object::object, thing::Type, variants::words},
     tracer::tone::{Tone, ToneMapping},
 };
 
@@ -19,8 +16,7 @@ object! {
         height: Count { Size::MAX_SIDE } = 480,
         /// Number of samples per pixel, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
         /// They lie in a regular grid, and the pixel is their mean in linear light.
-        #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>()))]
-        samples | spp: Other(u32) = 1,
+        samples | spp: Other { Type::Whole(|| Samples::all().collect()) }(u32) = 1,
         /// The exposure of a lit picture in stops, each of which doubles the light; 0 is the default.
         exposure: Stops = 0.0,
         /// The curve from the light of a lit picture to what a screen can show; `Clip` is the default.
@@ -28,15 +24,16 @@ object! {
     }
 }
 
-/// The curve from the light of a lit picture to what a screen can show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "ToneMapping")]
-pub enum ToneMappingModel {
-    /// Cuts off light above 1.
-    #[default]
-    Clip,
-    /// Keeps hues and compresses highlights; white becomes 0.87 of the light of a screen's white.
-    Neutral,
+words! {
+    /// The curve from the light of a lit picture to what a screen can show.
+    #[derive(Copy, Default, Eq)]
+    pub enum ToneMappingModel = "ToneMapping" {
+        /// Cuts off light above 1.
+        #[default]
+        Clip,
+        /// Keeps hues and compresses highlights; white becomes 0.87 of the light of a screen's white.
+        Neutral,
+    }
 }
 
 impl ImageModel {

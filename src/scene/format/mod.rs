@@ -25,6 +25,7 @@ pub(crate) mod perspective;
 pub(crate) mod scene;
 pub(crate) mod thing;
 pub(crate) mod transform;
+pub(crate) mod variants;
 pub(crate) mod warning;
 
 pub use crate::scene::format::{

@@ -1,10 +1,9 @@
 //! The declaration of a thing of the format, from which its struct, its reading, its defaults, its
-//! values that change over time and its part of the schema follow.
+//! values that change over time and its description follow.
 //!
 //! ```text
 //! object! {
 //!     /// A cone of light from a point.
-//!     #[schemars(inline)]
 //!     pub struct SpotLightModel = "Spot" {
 //!         /// The position.
 //!         position: Point,
@@ -12,144 +11,182 @@
 //!         blend: Fraction = 0.15,
 //!         /// The name.
 //!         name: Name?,
-//!     }
+//!     } one of direction, look_at
 //! }
 //! ```
 //!
 //! Behind a `|` stand the names that other programs, or the course, give a field: who writes one is told
 //! the name. A field is required, or optional with a default, or optional without one (`?`); `?= value` is
 //! for a field without a default that a track begins with a value. Behind the name of a field
-//! stands its [`Kind`], which determines its type; `Kind(Type)` has another type, and `Thing(Type)`
-//! has fields of its own, and `Choice(Type)` and `Other(Type)` are for what no number can set.
+//! stands its [`Kind`], which determines its type; `Kind(Rust type)` has another one. `Thing(…)` has
+//! fields of its own, and `Choice(…)` is one of several words. `Text(…)`, `File { endings }(…)` and
+//! `Other { type }(…)` are for what no number can set.
+//!
+//! Behind the fields stand those of which exactly one, at most one or any is given.
 //!
 //! [`Kind`]: crate::scene::format::field::Kind
 
+/// Returns the docs in the attributes of an item.
+macro_rules! docs {
+    ($([$($meta:tt)*])*) => {
+        concat!($($crate::scene::format::object::docs!(@line $($meta)*)),*).trim_ascii()
+    };
+    (@line doc = $line:literal) => { $line };
+    (@line $($other:tt)*) => { "" };
+}
+
 /// Defines an object of the format.
 macro_rules! object {
-    ($(#[$meta:meta])* pub struct $model:ident = $name:literal { $($fields:tt)* }) => {
+    (
+        $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }
+        $(one of $one:ident, $other:ident)?
+        $(at most one of $some:ident, $else:ident)?
+        $(any of $any:ident, $all:ident)?
+    ) => {
         $crate::scene::format::object::object! {
-            @fields [$(#[$meta])* $model $name] [] $($fields)*
+            @fields [$([$($meta)*])*] $model $name [
+                $(One $one $other,)? $(AtMostOne $some $else,)? $(Any $any $all,)?
+            ] [] $($fields)*
         }
     };
 
     // One field after another, with a list of those before it.
-    (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
-        $kind:ident $({ $most:expr })? $(($type:ty))? = $default:expr, $($rest:tt)*
+    (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
+        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
+        $kind:ident $({ $of:expr })? $(($type:ty))? = $default:expr, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
-            @fields $head [$($done)* {
-                [$(#[$meta])* #[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] [$($other)*] optional $kind [$($most)?] [$($type)?] [$default] [$default]
+            @fields $docs $model $name $sets [$($done)* {
+                [$([$($meta)*])* [serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
+                $field [$($rename)?] [$($other)*] optional $kind [$($of)?] [$($type)?] [$default] [$default]
             }] $($rest)*
         }
     };
-    (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
-        $kind:ident $({ $most:expr })? $(($type:ty))? ?= $first:expr, $($rest:tt)*
+    (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
+        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
+        $kind:ident $({ $of:expr })? $(($type:ty))? ? $(= $first:expr)?, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
-            @fields $head [$($done)* {
-                [$(#[$meta])* #[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] [$($other)*] optional $kind [$($most)?] [$($type)?] [$first] []
+            @fields $docs $model $name $sets [$($done)* {
+                [$([$($meta)*])* [serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
+                $field [$($rename)?] [$($other)*] optional $kind [$($of)?] [$($type)?] [$($first)?] []
             }] $($rest)*
         }
     };
-    (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
-        $kind:ident $({ $most:expr })? $(($type:ty))? ?, $($rest:tt)*
+    (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
+        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
+        $kind:ident $({ $of:expr })? $(($type:ty))?, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
-            @fields $head [$($done)* {
-                [$(#[$meta])* #[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] [$($other)*] optional $kind [$($most)?] [$($type)?] [] []
-            }] $($rest)*
-        }
-    };
-    (@fields $head:tt [$($done:tt)*]
-        $(#[$meta:meta])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
-        $kind:ident $({ $most:expr })? $(($type:ty))?, $($rest:tt)*
-    ) => {
-        $crate::scene::format::object::object! {
-            @fields $head [$($done)* {
-                [$(#[$meta])* $(#[serde(rename = $rename)])?]
-                $field [$($rename)?] [$($other)*] required $kind [$($most)?] [$($type)?] [] []
+            @fields $docs $model $name $sets [$($done)* {
+                [$([$($meta)*])* $([serde(rename = $rename)])?]
+                $field [$($rename)?] [$($other)*] required $kind [$($of)?] [$($type)?] [] []
             }] $($rest)*
         }
     };
 
-    (@fields [$(#[$meta:meta])* $model:ident $name:literal] [$({
-        [$($attributes:tt)*]
-        $field:ident [$($rename:literal)?] $others:tt $given:ident $kind:ident [$($most:expr)?] $type:tt
-        [$($first:expr)?] [$($default:expr)?]
-    })*]) => {
-        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+    (@fields [$([$($meta:tt)*])*] $model:ident $name:literal
+        [$($needs:ident $one:ident $another:ident,)*]
+        [$({
+            [$([$($attribute:tt)*])*]
+            $field:ident [$($rename:literal)?] [$($other:ident)*] $given:ident $kind:ident $of:tt $type:tt
+            [$($first:expr)?] [$($default:expr)?]
+        })*]
+    ) => {
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(rename = $name, deny_unknown_fields)]
-        #[schemars(transform = $crate::scene::format::field::rules::<Self>)]
-        $(#[$meta])*
+        $(#[$($meta)*])*
         pub struct $model {
             $(
-                $($attributes)*
+                $(#[$($attribute)*])*
                 pub $field: $crate::scene::format::object::object!(@given $given $kind $type),
             )*
         }
 
-        impl $crate::scene::format::field::Fields for $model {
-            const FIELDS: &'static [$crate::scene::format::field::Field] = &[$(
-                $crate::scene::format::object::object!(
-                    @field $field [$($rename)?] $others $kind [$($most)?] [$($default)?] [$($first)?] $type
-                ),
-            )*];
+        const _: () = {
+            use $crate::scene::format::{field, object, thing};
 
-            #[inline]
-            #[allow(unused_mut, unused_variables, reason = "all fields may be fixed")]
-            fn each<'m>(
-                &'m self,
-                mut see: impl FnMut(
-                    $crate::scene::format::field::Field,
-                    $crate::scene::format::field::Value<'m>,
-                ),
-            ) {
-                $($crate::scene::format::object::object!(@each self see $field $kind {
-                    $crate::scene::format::object::object!(
-                        @field $field [] $others $kind [$($most)?] [$($default)?] [$($first)?] $type
-                    )
-                });)*
-            }
-        }
-
-        impl $crate::scene::format::thing::Thing for $model {
-            fn of_type() -> $crate::scene::format::thing::Type {
-                $crate::scene::format::thing::Type::Object(
-                    <Self as $crate::scene::format::field::Fields>::FIELDS,
-                )
+            impl $model {
+                /// All fields.
+                pub(crate) const FIELDS: &'static [field::Field] = &[$(
+                    field::Field {
+                        name: object::object!(@name $field $($rename)?),
+                        docs: object::docs!($([$($attribute)*])*),
+                        others: &[$(stringify!($other)),*],
+                        kind: object::object!(@kind $kind $of),
+                        is_required: object::object!(@is_required $given),
+                        default: object::object!(@default $($default)?),
+                        has_start: object::object!(@has_start $($first)?),
+                        of_type: || object::object!(@type $kind $of $type),
+                    },
+                )*];
             }
 
-            fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
-                <Self as $crate::scene::format::field::Fields>::FIELDS
+            impl thing::Thing for $model {
+                fn of_type() -> thing::Type {
+                    static OBJECT: thing::Object = thing::Object {
+                        name: $name,
+                        docs: object::docs!($([$($meta)*])*),
+                        fields: $model::FIELDS,
+                        sets: &[$(thing::Set {
+                            fields: [stringify!($one), stringify!($another)],
+                            needs: thing::Needs::$needs,
+                        }),*],
+                    };
+                    thing::Type::Object(&OBJECT)
+                }
+
+                fn fields(&self) -> &'static [field::Field] {
+                    Self::FIELDS
+                }
+
+                #[inline]
+                #[allow(unused_mut, unused_variables, reason = "all fields may be fixed")]
+                fn each<'m>(
+                    &'m self,
+                    mut see: impl FnMut(&'static field::Field, field::Value<'m>),
+                ) {
+                    $(object::object!(@if $kind {
+                        if let Some(value) = field::Held::value(&self.$field) {
+                            see(const { &Self::FIELDS[At::$field as usize] }, value);
+                        }
+                    });)*
+                }
+
+                fn has(&self, name: &str) -> bool {
+                    let is_it = |field: &field::Field| field.name == name && field.kind.changes();
+                    let mut has = Self::FIELDS.iter().any(|field| field.has_start && is_it(field));
+                    self.each(|field, _| has |= is_it(field));
+                    has
+                }
+
+                #[allow(unused_variables, reason = "all fields may be fixed")]
+                fn slot(&mut self, name: &str) -> Option<field::Slot<'_>> {
+                    $(object::object!(@if $kind {
+                        if name == stringify!($field) && object::object!(@kind $kind $of).changes() {
+                            $(self.$field.get_or_insert_with(|| $first);)?
+                            return field::Held::slot(&mut self.$field);
+                        }
+                    });)*
+                    None
+                }
+
+                #[allow(unused_variables, reason = "nothing may be inside")]
+                fn things(&self, see: thing::See) -> std::ops::ControlFlow<()> {
+                    $(object::object!(@if_thing $kind {
+                        if thing::Thing::is_given(&self.$field) {
+                            let step = stringify!($field).into();
+                            see($crate::diagnostic::path::Step::Field(step), &self.$field)?;
+                        }
+                    });)*
+                    std::ops::ControlFlow::Continue(())
+                }
             }
 
-            #[allow(unused_variables, reason = "all fields may be fixed")]
-            fn has(&self, field: &str) -> bool {
-                $($crate::scene::format::object::object!(@has self field $field $kind $($first)?);)*
-                false
-            }
-
-            #[allow(unused_variables, reason = "all fields may be fixed")]
-            fn slot(&mut self, field: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
-                $($crate::scene::format::object::object!(@slot self field $field $kind $($first)?);)*
-                None
-            }
-
-            #[allow(unused_variables, reason = "nothing may be inside")]
-            fn things(
-                &self,
-                see: $crate::scene::format::thing::See,
-            ) -> std::ops::ControlFlow<()> {
-                $($crate::scene::format::object::object!(@inside self see $field $kind);)*
-                std::ops::ControlFlow::Continue(())
-            }
-        }
+            /// The places of the fields.
+            #[allow(non_camel_case_types, dead_code, reason = "they have the names of the fields")]
+            enum At { $($field),* }
+        };
 
         impl $model {
             $($(
@@ -164,82 +201,49 @@ macro_rules! object {
         }
     };
 
-    (@field $field:ident [$($rename:literal)?] [$($other:ident)*] $kind:ident [$($most:expr)?] [$($default:expr)?] $first:tt $type:tt) => {
-        $crate::scene::format::field::Field {
-            name: $crate::scene::format::object::object!(@name $field $($rename)?),
-            others: &[$(stringify!($other)),*],
-            kind: $crate::scene::format::object::object!(@kind $kind $($most)?),
-            default: $crate::scene::format::object::object!(@default $($default)?),
-            has_start: $crate::scene::format::object::object!(@has_start $first),
-            thing: $crate::scene::format::object::object!(@thing $kind $type),
-        }
-    };
-
     (@name $field:ident) => { stringify!($field) };
     (@name $field:ident $rename:literal) => { $rename };
+
+    (@is_required required) => { true };
+    (@is_required optional) => { false };
 
     (@default) => { None };
     (@default $default:expr) => { Some(|| serde_json::json!($default)) };
 
-    (@has_start []) => { false };
-    (@has_start [$first:expr]) => { true };
+    (@has_start) => { false };
+    (@has_start $first:expr) => { true };
 
-    (@thing Thing [$type:ty]) => { Some(<$type as $crate::scene::format::thing::Thing>::of_type) };
-    (@thing $kind:ident $type:tt) => { None };
+    // The kinds of fields that hold no value of a number, a vector or a color.
+    (@if Thing $then:tt $($else:block)?) => { $($else)? };
+    (@if Choice $then:tt $($else:block)?) => { $($else)? };
+    (@if Flag $then:tt $($else:block)?) => { $($else)? };
+    (@if Name $then:tt $($else:block)?) => { $($else)? };
+    (@if Text $then:tt $($else:block)?) => { $($else)? };
+    (@if File $then:tt $($else:block)?) => { $($else)? };
+    (@if Other $then:tt $($else:block)?) => { $($else)? };
+    (@if $kind:ident $then:block $($else:block)?) => { $then };
 
-    (@kind Thing) => { $crate::scene::format::field::Kind::Fixed };
-    (@kind Flag) => { $crate::scene::format::field::Kind::Fixed };
-    (@kind Choice) => { $crate::scene::format::field::Kind::Fixed };
-    (@kind Other) => { $crate::scene::format::field::Kind::Fixed };
-    (@kind Count $most:expr) => { $crate::scene::format::field::Kind::Count { most: $most } };
-    (@kind $kind:ident) => { $crate::scene::format::field::Kind::$kind };
+    (@if_thing Thing $then:block) => { $then };
+    (@if_thing $kind:ident $then:block) => {};
 
-    (@each $self:ident $see:ident $field:ident Thing $of:block) => {};
-    (@each $self:ident $see:ident $field:ident Flag $of:block) => {};
-    (@each $self:ident $see:ident $field:ident Name $of:block) => {};
-    (@each $self:ident $see:ident $field:ident Choice $of:block) => {};
-    (@each $self:ident $see:ident $field:ident Other $of:block) => {};
-    (@each $self:ident $see:ident $field:ident $kind:ident $of:block) => {
-        if let Some(value) = $crate::scene::format::field::Held::value(&$self.$field) {
-            $see(const { $of }, value);
-        }
+    (@kind Count [$most:expr]) => { $crate::scene::format::field::Kind::Count { most: $most } };
+    (@kind $kind:ident $of:tt) => {
+        $crate::scene::format::object::object!(
+            @if $kind { $crate::scene::format::field::Kind::$kind } { $crate::scene::format::field::Kind::Fixed }
+        )
     };
 
-    (@has $self:ident $name:ident $field:ident Thing $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident Flag $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident Name $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident Choice $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident Other $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident Count $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident Depth $($first:expr)?) => {};
-    (@has $self:ident $name:ident $field:ident $kind:ident $($first:expr)?) => {
-        if $name == stringify!($field) {
-            $(let _ = || $first; return true;)?
-            #[allow(unreachable_code, reason = "a field with a default")]
-            return $crate::scene::format::field::Held::value(&$self.$field).is_some();
-        }
+    (@type Thing [] [$type:ty]) => { <$type as $crate::scene::format::thing::Thing>::of_type() };
+    (@type Choice [] [$type:ty]) => { <$type>::of_type() };
+    (@type Flag [] []) => { $crate::scene::format::thing::Type::Flag };
+    (@type Name [] []) => { $crate::scene::format::thing::Type::Name };
+    (@type Text [] $type:tt) => { $crate::scene::format::thing::Type::Text };
+    (@type File [$endings:expr] $type:tt) => { $crate::scene::format::thing::Type::File($endings) };
+    (@type Thing [$of:expr] $type:tt) => { $of };
+    (@type Other [$of:expr] $type:tt) => { $of };
+    (@type $kind:ident $of:tt $type:tt) => {
+        $crate::scene::format::thing::Type::Value($crate::scene::format::object::object!(@kind $kind $of))
     };
-
-    (@slot $self:ident $name:ident $field:ident Thing $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident Flag $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident Name $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident Choice $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident Other $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident Count $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident Depth $($first:expr)?) => {};
-    (@slot $self:ident $name:ident $field:ident $kind:ident $($first:expr)?) => {
-        if $name == stringify!($field) {
-            $($self.$field.get_or_insert_with(|| $first);)?
-            return $crate::scene::format::field::Held::slot(&mut $self.$field);
-        }
-    };
-
-    (@inside $self:ident $see:ident $field:ident Thing) => {
-        if $crate::scene::format::thing::Thing::is_given(&$self.$field) {
-            $see($crate::diagnostic::path::Step::Field(stringify!($field).into()), &$self.$field)?;
-        }
-    };
-    (@inside $self:ident $see:ident $field:ident $kind:ident) => {};
 
     (@given required $kind:ident [$type:ty]) => { $type };
     (@given required Point []) => { $crate::scene::format::field::Triple };
@@ -258,4 +262,4 @@ macro_rules! object {
     };
 }
 
-pub(crate) use object;
+pub(crate) use {docs, object};

@@ -13,7 +13,6 @@ use crate::{
 
 object! {
     /// A camera with parallel rays: distance does not change size.
-    #[schemars(inline)]
     pub struct OrthographicModel = "Orthographic" {
         /// The point that is the middle of the picture, where the rays start.
         eye | position | location | from | e: Point,
@@ -29,7 +28,7 @@ object! {
         /// True if the scale spans the width as well, so that pixels are not square; false is the
         /// default.
         stretch: Flag = false,
-    }
+    } one of gaze, look_at
 }
 
 impl OrthographicModel {

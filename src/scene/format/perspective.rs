@@ -16,7 +16,6 @@ use crate::{
 
 object! {
     /// A pinhole camera: all rays start at the eye.
-    #[schemars(inline)]
     pub struct PerspectiveModel = "Perspective" {
         /// The viewpoint.
         eye | position | location | from | e: Point,
@@ -29,7 +28,7 @@ object! {
         /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
         /// equation.
         fov | alpha | angle | half_angle: Angle,
-    }
+    } one of gaze, look_at
 }
 
 impl PerspectiveModel {

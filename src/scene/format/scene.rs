@@ -3,9 +3,19 @@
 use crate::{
     diagnostic::path::Path,
     scene::format::{
-        animation::AnimationModel, camera::CameraModel, cameras::CamerasModel, color::ColorModel,
-        geometry::GeometryModel, image::ImageModel, light::LightModel, lighting::LightingModel,
-        material::MaterialsModel, object::object, outlines::OutlinesModel, warning::WarningName,
+        animation::AnimationModel,
+        camera::CameraModel,
+        cameras::{CamerasModel, NAMES},
+        color::ColorModel,
+        geometry::GeometryModel,
+        image::ImageModel,
+        light::LightModel,
+        lighting::LightingModel,
+        material::MaterialsModel,
+        object::object,
+        outlines::OutlinesModel,
+        thing::{Thing, Type},
+        warning::WarningName,
     },
 };
 
@@ -14,16 +24,15 @@ object! {
     #[derive(Default)]
     pub struct Model = "Scene" {
         /// The location of this file's schema, for editors. JSON only.
-        schema as "$schema": Other(String)?,
+        schema as "$schema": Text(String)?,
         /// The version of the format: 1, which is also meant where there is none.
-        #[schemars(extend("enum" = [1, null]))]
-        version: Other(u32) = 1,
+        version: Other { Type::Whole(|| vec![Self::VERSION]) }(u32) = 1,
         /// The size of the picture.
         image: Thing(ImageModel)?,
         /// The viewpoint of the scene; required where there are no `cameras`.
         camera: Thing(CameraModel)?,
         /// More cameras, each by its name.
-        cameras: Thing(CamerasModel)?,
+        cameras: Thing { Type::Map(CameraModel::of_type, Some(NAMES)) }(CamerasModel)?,
         /// The color where rays hit nothing; black is the default.
         background | background_color: Color = ColorModel::Channels([0.0; 3]),
         /// The lights. With this field, even without a light in it, the scene is lit; without it, each
@@ -40,8 +49,8 @@ object! {
         /// The changes over time.
         animation: Thing(Box<AnimationModel>)?,
         /// Codes of warnings that this file does not want.
-        allow: Other(Vec<WarningName>)?,
-    }
+        allow: Other { Type::List(WarningName::of_type, 0) }(Vec<WarningName>)?,
+    } any of camera, cameras
 }
 
 impl Model {

@@ -1,50 +1,135 @@
-//! The things of the format: which fields they have, and what is inside of them. Whatever leads from
-//! a path to a value, or from a value to a path, asks them.
+//! The things of the format: their types, which fields they have, and what is inside of them. The schema,
+//! completion, and whatever leads from a path to a value, or from a value to a path, ask them.
 
 use std::{ops::ControlFlow, sync::Arc};
 
 use crate::{
     diagnostic::path::Step,
     scene::format::{
-        field::{Field, Slot},
+        field::{Field, Kind, Slot, Value},
         map::Map,
     },
 };
 
-/// The type of a thing.
+/// The type of a value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Type {
-    /// An object with these fields.
-    Object(&'static [Field]),
-    /// One of several objects, each with its name.
-    OneOf(&'static [Variant]),
-    /// A list of things.
-    List(fn() -> Type),
-    /// Things by their names.
-    Map(fn() -> Type),
+    /// True or false.
+    Flag,
+    /// A number, a vector or a color.
+    Value(Kind),
+    /// A whole number from 0; one of these, if there are any.
+    Whole(fn() -> Vec<u32>),
+    /// A string.
+    Text,
+    /// A string with at least one letter.
+    Name,
+    /// The name of one of the scene's geometries.
+    NameOfGeometry,
+    /// The name of one of the scene's materials.
+    NameOfMaterial,
+    /// The path of a file with one of these endings.
+    File(&'static [&'static str]),
+    /// One of several words that need no docs.
+    Word(&'static Words),
+    /// Three rows of four numbers.
+    Matrix,
+    /// This many values of a type.
+    Tuple(fn() -> Type, usize),
+    /// A list of at least this many values of a type.
+    List(fn() -> Type, usize),
+    /// Values of a type by their names, which match a pattern if there is one.
+    Map(fn() -> Type, Option<&'static str>),
+    /// The tracks of an animation.
+    Tracks,
+    /// An object.
+    Object(&'static Object),
+    /// One of several objects or words.
+    OneOf(&'static OneOf),
 }
 
 impl Type {
+    /// Returns the type of what lists and maps hold in the end; itself for any other.
+    pub(crate) fn innermost(self) -> Self {
+        match self {
+            Self::List(inside, _) | Self::Map(inside, _) => inside().innermost(),
+            other => other,
+        }
+    }
+
     /// Returns the fields of the object, or those of all variants.
     pub(crate) fn fields(self) -> impl Iterator<Item = &'static Field> {
         let (object, variants): (&[Field], &[Variant]) = match self {
-            Self::Object(fields) => (fields, &[]),
-            Self::OneOf(variants) => (&[], variants),
-            Self::List(_) | Self::Map(_) => (&[], &[]),
+            Self::Object(object) => (object.fields, &[]),
+            Self::OneOf(one_of) => (&[], one_of.variants),
+            _ => (&[], &[]),
         };
         object
             .iter()
-            .chain(variants.iter().flat_map(|variant| variant.fields))
+            .chain(variants.iter().flat_map(|variant| variant.fields()))
     }
 }
 
-/// One of several objects.
+/// An object.
+#[derive(Debug)]
+pub(crate) struct Object {
+    pub(crate) name: &'static str,
+    pub(crate) docs: &'static str,
+    pub(crate) fields: &'static [Field],
+    pub(crate) sets: &'static [Set],
+}
+
+/// Two fields that are given in place of each other.
+#[derive(Debug)]
+pub(crate) struct Set {
+    pub(crate) fields: [&'static str; 2],
+    pub(crate) needs: Needs,
+}
+
+/// The number of fields of a set that are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needs {
+    One,
+    AtMostOne,
+    /// One or both.
+    Any,
+}
+
+/// One of several objects or words.
+#[derive(Debug)]
+pub(crate) struct OneOf {
+    pub(crate) name: &'static str,
+    pub(crate) docs: &'static str,
+    pub(crate) variants: &'static [Variant],
+}
+
+/// One of several objects or words.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Variant {
     pub(crate) name: &'static str,
+    pub(crate) docs: &'static str,
     /// Its names in other programs.
     pub(crate) others: &'static [&'static str],
-    pub(crate) fields: &'static [Field],
+    /// The type of its content; `None` for a word.
+    pub(crate) content: Option<fn() -> Type>,
+}
+
+impl Variant {
+    /// Returns the fields of the object.
+    pub(crate) fn fields(self) -> &'static [Field] {
+        match self.content.map(|of_type| of_type()) {
+            Some(Type::Object(object)) => object.fields,
+            _ => &[],
+        }
+    }
+}
+
+/// Words that need no docs.
+#[derive(Debug)]
+pub(crate) struct Words {
+    pub(crate) name: &'static str,
+    pub(crate) docs: &'static str,
+    pub(crate) all: fn() -> Vec<&'static str>,
 }
 
 /// What a visitor of the things inside of another one sees; it may end the visit.
@@ -60,6 +145,13 @@ pub(crate) trait Thing {
     /// Returns the fields; a list and a map have none.
     fn fields(&self) -> &'static [Field] {
         &[]
+    }
+
+    /// Calls `see` for every field that is given and has a value.
+    fn each<'m>(&'m self, _see: impl FnMut(&'static Field, Value<'m>))
+    where
+        Self: Sized,
+    {
     }
 
     /// Returns true if a number, a vector or a color is given, or has a default.
@@ -83,7 +175,7 @@ pub(crate) trait Thing {
 
 impl<T: Thing> Thing for Vec<T> {
     fn of_type() -> Type {
-        Type::List(T::of_type)
+        Type::List(T::of_type, 0)
     }
 
     fn things(&self, see: See) -> ControlFlow<()> {
@@ -94,7 +186,7 @@ impl<T: Thing> Thing for Vec<T> {
 
 impl<T: Thing> Thing for Map<T> {
     fn of_type() -> Type {
-        Type::Map(T::of_type)
+        Type::Map(T::of_type, None)
     }
 
     fn things(&self, see: See) -> ControlFlow<()> {
@@ -113,6 +205,11 @@ macro_rules! forward {
 
             fn fields(&self) -> &'static [Field] {
                 (**self).fields()
+            }
+
+            #[inline]
+            fn each<'m>(&'m self, see: impl FnMut(&'static Field, Value<'m>)) {
+                (**self).each(see);
             }
 
             fn has(&self, field: &str) -> bool {
@@ -141,6 +238,12 @@ impl<T: Thing> Thing for Option<T> {
 
     fn fields(&self) -> &'static [Field] {
         self.as_ref().map_or(&[], T::fields)
+    }
+
+    fn each<'m>(&'m self, see: impl FnMut(&'static Field, Value<'m>)) {
+        if let Some(thing) = self {
+            thing.each(see);
+        }
     }
 
     fn has(&self, field: &str) -> bool {

@@ -1,9 +1,8 @@
 //! The transform of a geometry in a scene file.
 
-use std::{borrow::Cow, f64::consts::PI, fmt};
+use std::{f64::consts::PI, fmt};
 
 use glam::DVec3;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer, Serialize,
     de::{Error as _, SeqAccess, Visitor},
@@ -13,6 +12,7 @@ use crate::{
     scene::format::{
         field::{Held, Slot, Triple, Value},
         object::object,
+        thing::Type,
     },
     tracer::{error::GeometryError, transform::Transform},
 };
@@ -31,7 +31,7 @@ object! {
         scale: Scale = ScaleModel::Uniform(1.0),
         /// The matrix, in place of the other fields: three rows of four numbers, of which the last is
         /// the shift. It can be inverted.
-        matrix: Other(Box<MatrixModel>)?,
+        matrix: Other { Type::Matrix }(Box<MatrixModel>)?,
     }
 }
 
@@ -162,34 +162,6 @@ fn elements<'de, A: SeqAccess<'de>, T: Deserialize<'de> + Default + Copy, const 
             .ok_or_else(|| A::Error::invalid_length(index, expected))?;
     }
     Ok(all)
-}
-
-impl JsonSchema for ScaleModel {
-    fn schema_name() -> Cow<'static, str> {
-        "Scale".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let axes = generator.subschema_for::<Triple>();
-        json_schema!({
-            "description": "The factor of all lengths, or the factors along x, y and z.",
-            "anyOf": [{"type": "number", "not": {"const": 0}}, axes],
-            "examples": [2, [1, 1, 0.5]],
-        })
-    }
-}
-
-impl JsonSchema for MatrixModel {
-    fn schema_name() -> Cow<'static, str> {
-        "Matrix".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let rows = generator.subschema_for::<[[f64; 4]; 3]>();
-        let mut schema = rows;
-        schema.insert("description".into(), "Three rows of four numbers.".into());
-        schema
-    }
 }
 
 #[cfg(test)]

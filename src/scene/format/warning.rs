@@ -1,11 +1,11 @@
 //! The code of a warning in a scene file.
 
-use std::borrow::Cow;
-
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::diagnostic::Code;
+use crate::{
+    diagnostic::Code,
+    scene::format::thing::{Type, Words},
+};
 
 /// The code of a warning.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,16 +34,14 @@ impl<'de> Deserialize<'de> for WarningName {
     }
 }
 
-impl JsonSchema for WarningName {
-    fn schema_name() -> Cow<'static, str> {
-        "Warning".into()
-    }
-
-    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
-        let names: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
-        json_schema!({
-            "description": "The code of a warning.",
-            "enum": names,
-        })
+impl WarningName {
+    /// Returns the type.
+    pub(crate) fn of_type() -> Type {
+        static WORDS: Words = Words {
+            name: "Warning",
+            docs: "The code of a warning.",
+            all: || Code::WARNINGS.iter().map(|code| code.name()).collect(),
+        };
+        Type::Word(&WORDS)
     }
 }

@@ -1,14 +1,19 @@
 //! Values without the names of their fields, as in `Ambient(0.2)`: the types of the fields tell which
 //! are meant.
 
-use std::sync::OnceLock;
-
-use schemars::generate::SchemaSettings;
-use serde_json::Value as Json;
+use std::sync::LazyLock;
 
 use crate::{
     diagnostic::{Diagnostic, Fix},
-    scene::{format::scene::Model, problem::syntax_fault, recover::name_of},
+    scene::{
+        format::{
+            field::{Field, Kind as FieldKind},
+            scene::Model,
+            thing::{Object, OneOf, Thing, Type},
+        },
+        problem::syntax_fault,
+        recover::name_of,
+    },
     text::{
         edit::Edit,
         nearest::quote,
@@ -85,27 +90,16 @@ pub(super) fn names(
     known: Option<&[&str]>,
     values: &[NodeId],
 ) -> Option<Vec<&'static str>> {
-    let schema = schema();
-    let definitions = schema["$defs"].as_object()?.values();
-    let variants = definitions.flat_map(|one| one["oneOf"].as_array().into_iter().flatten());
-    let mut structs = variants.filter_map(|one| one["properties"].get(variant));
-    let fields = structs.find(|fields| {
-        let has = |field: &&str| fields["properties"].get(field).is_some();
-        known.is_none_or(|known| known.iter().all(has))
-    })?;
-    let required = fields["required"].as_array();
-    let mut required: Vec<_> = required
-        .into_iter()
-        .flatten()
-        .filter_map(Json::as_str)
-        .collect();
-    let mut others: Vec<_> = fields["properties"].as_object()?.keys().collect();
-    others.retain(|field| !required.contains(&field.as_str()));
-    let fits = |field: &str, value| admits(schema, &fields["properties"][field], text, tree, value);
+    let has = |object: &Object, name: &str| object.fields.iter().any(|field| field.name == name);
+    let object = objects(variant)
+        .find(|object| known.is_none_or(|known| known.iter().all(|field| has(object, field))))?;
+    let (mut required, mut others): (Vec<_>, Vec<_>) =
+        object.fields.iter().partition(|field| field.is_required);
+    let fits = |field: &Field, value| admits((field.of_type)(), text, tree, value);
     let mut names = Vec::new();
     for value in values {
         if let Some(at) = required.iter().position(|field| fits(field, *value)) {
-            names.push(required.remove(at));
+            names.push(required.remove(at).name);
             continue;
         }
         let mut fitting = others
@@ -115,80 +109,112 @@ pub(super) fn names(
         let (Some((at, _)), None) = (fitting.next(), fitting.next()) else {
             return None;
         };
-        names.push(others.remove(at));
+        names.push(others.remove(at).name);
     }
     (!names.is_empty()).then_some(names)
 }
 
 /// Returns true if a variant has all of the fields, and these are all that it requires.
 pub(super) fn fits(variant: &str, given: &[impl AsRef<str>]) -> bool {
-    let definitions = schema()["$defs"].as_object().into_iter().flatten();
-    let variants = definitions.flat_map(|(_, one)| one["oneOf"].as_array().into_iter().flatten());
-    let mut structs = variants.filter_map(|one| one["properties"].get(variant));
-    structs.any(|fields| {
-        let has = |field: &str| !fields["properties"][field].is_null();
-        let required = fields["required"].as_array().into_iter().flatten();
-        let is_given = |field: &Json| given.iter().any(|one| field.as_str() == Some(one.as_ref()));
-        given.iter().all(|field| has(field.as_ref())) && required.clone().all(is_given)
+    let is_given = |field: &Field| given.iter().any(|name| name.as_ref() == field.name);
+    objects(variant).any(|object| {
+        let known = object.fields.iter().filter(|field| is_given(field));
+        let mut required = object.fields.iter().filter(|field| field.is_required);
+        known.count() == given.len() && required.all(is_given)
     })
 }
 
-/// The schema of the types.
-fn schema() -> &'static Json {
-    static SCHEMA: OnceLock<Json> = OnceLock::new();
-    SCHEMA.get_or_init(|| {
-        let generator = SchemaSettings::draft2020_12().into_generator();
-        generator.into_root_schema_for::<Model>().to_value()
+/// Returns the objects that a variant of the format may be: there are several of some names.
+fn objects(variant: &str) -> impl Iterator<Item = &'static Object> {
+    static ALL: LazyLock<Vec<&OneOf>> = LazyLock::new(|| {
+        let mut all = Vec::new();
+        add(Model::of_type(), &mut all);
+        all.sort_by_key(|one_of| one_of.name);
+        all
+    });
+    let variants = ALL.iter().flat_map(|one_of| one_of.variants);
+    let variants = variants.filter(move |one| one.name == variant);
+    variants.filter_map(|one| match one.content?() {
+        Type::Object(object) => Some(object),
+        _ => None,
     })
 }
 
-/// Returns true if a value has a type of the schema.
-fn admits(schema: &Json, node: &Json, text: &str, tree: &Tree, value: NodeId) -> bool {
-    let admit = |node: &Json| admits(schema, node, text, tree, value);
-    if let Some(name) = node["$ref"].as_str() {
-        let name = name.rsplit('/').next().unwrap_or_default();
-        return admit(&schema["$defs"][name]);
-    }
-    let mut choices = ["anyOf", "oneOf"]
-        .into_iter()
-        .filter_map(|key| node[key].as_array());
-    if let Some(choices) = choices.next() {
-        return choices.iter().any(admit);
-    }
-    let is = |name: &str| match &node["type"] {
-        Json::String(one) => one == name,
-        Json::Array(all) => all.iter().any(|one| one == name),
-        _ => false,
-    };
-    let (of_value, syntax) = (tree.node(value), tree.syntax());
-    match of_value.kind() {
-        Kind::Number => is("number") || is("integer"),
-        Kind::Bool(_) => is("boolean"),
-        Kind::String => {
-            let source = text.get(of_value.range()).unwrap_or_default();
-            let is_color = string(source, syntax).is_some_and(|text| text.starts_with('#'));
-            is("string") && is_color != node["pattern"].is_null()
+/// Adds everything inside of a type that is one of several, each once.
+fn add(of_type: Type, found: &mut Vec<&'static OneOf>) {
+    let of_type = of_type.innermost();
+    if let Type::OneOf(one_of) = of_type {
+        if found.iter().any(|other| other.name == one_of.name) {
+            return;
         }
-        Kind::Tuple | Kind::List if of_value.name().is_none() && is("array") => {
-            let length = tree.children(value).count() as u64;
-            let is_tuple = !node["maxItems"].is_null();
-            let has_length = !is_tuple || node["maxItems"].as_u64() == Some(length);
-            let is_written_so =
-                syntax == Syntax::Json || is_tuple == (of_value.kind() == Kind::Tuple);
-            let item = |item| admits(schema, &node["items"], text, tree, item);
-            has_length && is_written_so && tree.children(value).next().is_none_or(item)
+        found.push(one_of);
+    }
+    let fields = of_type.fields();
+    fields.for_each(|field| add((field.of_type)(), found));
+}
+
+/// Returns true if a value has a type.
+fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
+    const NUMBER: Type = Type::Value(FieldKind::Number);
+    let node = tree.node(value);
+    match node.kind() {
+        Kind::Number => match of_type {
+            Type::Value(kind) => {
+                !(kind.is_vector() || kind == FieldKind::Interval || kind == FieldKind::Color)
+            }
+            other => matches!(other, Type::Whole(_)),
+        },
+        Kind::Bool(_) => matches!(of_type, Type::Flag),
+        Kind::String => {
+            let source = text.get(node.range()).unwrap_or_default();
+            let is_color = string(source, tree.syntax()).is_some_and(|text| text.starts_with('#'));
+            match of_type {
+                Type::Value(FieldKind::Color) => is_color,
+                Type::Text | Type::Name | Type::NameOfGeometry => !is_color,
+                Type::OneOf(one_of) => {
+                    !is_color && one_of.variants.iter().any(|one| one.content.is_none())
+                }
+                _ => false,
+            }
+        }
+        Kind::Tuple | Kind::List if node.name().is_none() => {
+            let (item, count) = match of_type {
+                Type::Value(FieldKind::Interval) => (NUMBER, Some(2)),
+                Type::Value(kind) if kind.has_elements() => (NUMBER, Some(3)),
+                Type::Matrix => (Type::Tuple(|| NUMBER, 4), Some(3)),
+                Type::Tuple(item, count) => (item(), Some(count)),
+                Type::List(item, _) => (item(), None),
+                _ => return false,
+            };
+            let mut items = tree.children(value);
+            let is_tuple =
+                tree.syntax() == Syntax::Json || count.is_some() == (node.kind() == Kind::Tuple);
+            is_tuple
+                && count.is_none_or(|count| tree.children(value).count() == count)
+                && items
+                    .next()
+                    .is_none_or(|first| admits(item, text, tree, first))
         }
         // A variant is an object with its name as the key.
         Kind::Tuple | Kind::Struct | Kind::Unit => {
-            let name = of_value.name().and_then(|name| text.get(name));
-            name.is_some_and(|name| !node["properties"][name].is_null())
+            let name = node.name().and_then(|name| text.get(name));
+            name.is_some_and(|name| has(of_type, name))
         }
         Kind::Map => {
-            let key = tree
-                .fields(value)
-                .next()
-                .map(|(key, _)| name_of(text, tree, key));
-            key.is_some_and(|key| !node["properties"][&*key].is_null())
+            let first = tree.fields(value).next();
+            first.is_some_and(|(key, _)| has(of_type, &name_of(text, tree, key)))
+        }
+        _ => false,
+    }
+}
+
+/// Returns true if an object has this field, or if one of several has this name.
+fn has(of_type: Type, name: &str) -> bool {
+    match of_type {
+        Type::Object(object) => object.fields.iter().any(|field| field.name == name),
+        Type::OneOf(one_of) => {
+            let mut variants = one_of.variants.iter();
+            variants.any(|one| one.name == name && one.content.is_some())
         }
         _ => false,
     }

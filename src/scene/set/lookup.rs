@@ -6,11 +6,7 @@ use crate::{
     diagnostic::path::Path,
     scene::{
         format::{
-            field::{Field, Fields},
-            image::ImageModel,
-            lighting::DirectModel,
-            scene::Model,
-            thing::Thing,
+            field::Field, image::ImageModel, lighting::DirectModel, scene::Model, thing::Thing,
         },
         near::near,
         path,

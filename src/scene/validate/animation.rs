@@ -16,8 +16,9 @@ use crate::{
         },
         format::{
             animation::{Interpolation, Key, Track},
-            field::{Fields, Kind, Triple},
+            field::{Kind, Triple},
             scene::Model,
+            thing::Thing,
             transform::ScaleModel,
         },
         problem::{Focus, Problem},

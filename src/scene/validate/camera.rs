@@ -9,6 +9,7 @@ use crate::{
             camera::{CameraModel, Sight},
             fit::ProjectionModel,
             scene::Model,
+            thing::Thing,
         },
         framing::Framing,
         problem::{Focus, Problem},

@@ -35,7 +35,7 @@ impl Found {
 
     /// Checks a value against the kind of its field.
     #[inline]
-    pub(super) fn field(&mut self, field: Field, value: Value, path: impl Fn() -> Path) {
+    pub(super) fn field(&mut self, field: &'static Field, value: Value, path: impl Fn() -> Path) {
         let kind = field.kind;
         let is_fine = match value {
             Value::Number(number) => {
@@ -56,7 +56,7 @@ impl Found {
     #[cold]
     pub(super) fn fault(
         &mut self,
-        Field { name, kind, .. }: Field,
+        &Field { name, kind, .. }: &Field,
         value: Value,
         path: &dyn Fn() -> Path,
     ) {

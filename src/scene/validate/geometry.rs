@@ -9,6 +9,7 @@ use crate::{
         format::{
             geometry::{GeometryModel, MeshModel, nesting::Ordinal},
             scene::Model,
+            thing::Thing,
         },
         problem::{Cure, Focus, Problem},
     },

@@ -13,6 +13,7 @@ use crate::{
             light::{FalloffModel, LightModel, SpotLightModel},
             material::MaterialModel,
             scene::Model,
+            thing::Thing,
         },
         problem::{Focus, Problem},
         tables::Tables,

@@ -12,6 +12,7 @@ use crate::{
             image::ImageModel,
             material::{MaterialModel, Surface},
             scene::Model,
+            thing::Thing,
         },
         problem::{Cure, Focus, Problem},
     },

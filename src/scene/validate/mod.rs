@@ -26,13 +26,13 @@ use crate::{
         animation::frames::Frames,
         duplicates::Duplicates,
         format::{
-            field::Fields,
             geometry::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
             },
             image::ImageModel,
             scene::Model,
+            thing::Thing,
             warning::WarningName,
         },
         framing::{Framing, Known, Subject},

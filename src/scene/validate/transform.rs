@@ -5,9 +5,9 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            field::Fields,
             geometry::nesting::Ordinal,
             scene::Model,
+            thing::Thing,
             transform::{ScaleModel, TransformModel},
         },
         problem::{Focus, Problem},

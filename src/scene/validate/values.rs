@@ -6,9 +6,9 @@ use crate::{
     scene::{
         format::{
             color_by::{ColorByModel, ColormapModel},
-            field::Fields,
             geometry::{GeometryModel, nesting::Ordinal},
             scene::Model,
+            thing::Thing,
         },
         problem::{Focus, Problem},
         validate::material::both,

@@ -1,7 +1,6 @@
 //! The animation of a scene file.
 
 pub(crate) mod orbit;
-mod schema;
 
 use std::{collections::HashSet, fmt, marker::PhantomData, sync::LazyLock};
 
@@ -15,11 +14,11 @@ use self::orbit::OrbitModel;
 use crate::scene::{
     format::{
         color::ColorModel,
-        field::{Field, Fields, Interval, Kind, Triple},
+        field::{Field, Interval, Kind, Triple},
         map::{Entry, Map},
         object::object,
         scene::Model,
-        thing::Type,
+        thing::{Type, Words},
         transform::ScaleModel,
     },
     path,
@@ -34,10 +33,10 @@ object! {
         frames: Count { Self::MOST_FRAMES },
         /// The tracks: the keys of each number, vector or color by its path; required where there is no
         /// `orbit`.
-        tracks: Other(TracksModel)?,
+        tracks: Other { Type::Tracks }(TracksModel)?,
         /// A turn of all cameras about a line, at constant speed.
         orbit: Thing(OrbitModel)?,
-    }
+    } any of tracks, orbit
 }
 
 impl AnimationModel {
@@ -94,6 +93,19 @@ pub enum Interpolation {
     Smooth,
 }
 
+impl Interpolation {
+    /// Returns the type.
+    pub(crate) fn of_type() -> Type {
+        static WORDS: Words = Words {
+            name: "Interpolation",
+            docs: "How a value gets from the key before to this one: it stays and jumps, goes at constant \
+                   speed, or along a smooth curve that never overshoots. `Linear` is the default.",
+            all: || vec!["Step", "Linear", "Smooth"],
+        };
+        Type::Word(&WORDS)
+    }
+}
+
 /// Every field that can change over time, with the field of the scene that its path begins with.
 /// Nothing in the animation itself changes.
 pub(crate) static CHANGING: LazyLock<Vec<(&Field, Vec<&Field>)>> = LazyLock::new(|| {
@@ -118,17 +130,10 @@ fn add_changing(
     if field.kind.changes() && found.iter().all(|other| other.name != field.name) {
         found.push(field);
     }
-    let mut thing = field.thing;
-    while let Some(of_type) = thing {
-        thing = match of_type() {
-            Type::List(inside) | Type::Map(inside) => Some(inside),
-            object => {
-                let fields = object.fields();
-                fields.for_each(|field| add_changing(field, found, seen));
-                None
-            }
-        };
-    }
+    let inside = (field.of_type)().innermost();
+    inside
+        .fields()
+        .for_each(|field| add_changing(field, found, seen));
 }
 
 /// The kind of what a path leads to, by the fields of what it begins with; `None` for one number of

@@ -18,7 +18,6 @@ use crate::{
 
 object! {
     /// A round bar with round ends: all points at a distance from a line between two points.
-    #[schemars(inline)]
     pub struct CapsuleModel = "Capsule" {
         /// The center of the first end.
         from | start | base: Point,
@@ -32,7 +31,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for CapsuleModel {

@@ -18,7 +18,6 @@ use crate::{
 
 object! {
     /// A cone, or a truncated cone.
-    #[schemars(inline)]
     pub struct ConeModel = "Cone" {
         /// The center of the first end.
         from | start | base: Point,
@@ -36,7 +35,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for ConeModel {

@@ -23,7 +23,6 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 object! {
     /// A box along the axes.
-    #[schemars(inline)]
     pub struct BoxModel = "Box" {
         /// The corner with the smallest coordinates.
         min | lower: Point,
@@ -35,7 +34,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for BoxModel {

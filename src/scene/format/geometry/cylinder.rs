@@ -18,7 +18,6 @@ use crate::{
 
 object! {
     /// A cylinder.
-    #[schemars(inline)]
     pub struct CylinderModel = "Cylinder" {
         /// The center of the first end.
         from | start | base: Point,
@@ -34,7 +33,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for CylinderModel {

@@ -3,23 +3,21 @@
 use std::sync::Arc;
 
 use crate::scene::format::{
-    color::ColorModel, color_by::ColorByModel, material::MaterialModel, object::object,
+    color::ColorModel, color_by::ColorByModel, material::MaterialModel, object::object, thing::Type,
 };
 
 object! {
     /// Many cylinders from a table, a file beside the scene: one in each row, such as the bonds of a molecule.
-    #[schemars(inline)]
     pub struct CylindersModel = "Cylinders" {
         /// The table: a path from the folder of the scene to a file .csv, .npy or .npz, with `/` between
         /// its parts. Its columns `x1`, `y1` and `z1` are the middle of the first end, `x2`, `y2` and `z2`
         /// that of the other.
-        #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ])$"))]
-        file | csv | table | path: Other(Box<str>),
+        file | csv | table | path: File { &["csv", "npy", "npz"] }(Box<str>),
         /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
         /// first line is a row. A name that begins with `_` stands for a column to skip.
-        columns: Other(Vec<Box<str>>)?,
+        columns: Other { Type::List(|| Type::Text, 0) }(Vec<Box<str>>)?,
         /// The array of an .npz file whose rows are read; required where several have rows of columns.
-        array: Other(Box<str>)?,
+        array: Text(Box<str>)?,
         /// The radius of rows that have none, above 0; required where the table has none.
         radius | r: Positive ?= 0.0,
         /// True if the ends are closed; the default. Otherwise each is open, and seen from both sides.
@@ -34,5 +32,5 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the table: no other geometry of the scene has it.
         name: Name?,
-    }
+    } at most one of color, material
 }

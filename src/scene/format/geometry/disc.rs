@@ -14,7 +14,6 @@ use crate::{
 
 object! {
     /// A disc, seen from both sides.
-    #[schemars(inline)]
     pub struct DiscModel = "Disc" {
         /// The center.
         // Discs are few: boxed, so that no geometry needs more memory than a sphere.
@@ -29,7 +28,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for DiscModel {

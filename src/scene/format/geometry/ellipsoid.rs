@@ -3,17 +3,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::Schema;
-use serde_json::{Value as Json, json};
 
 use crate::{
     diagnostic::Code,
     scene::format::{
-        field::Triple,
+        field::{Kind as FieldKind, Triple},
         geometry::clash::{Clash, shown},
         geometry::kind::Kind,
         material::MaterialModel,
         object::object,
+        thing::Type,
     },
     tracer::{
         error::GeometryError,
@@ -24,21 +23,19 @@ use crate::{
 
 object! {
     /// An ellipsoid.
-    #[schemars(inline)]
     pub struct EllipsoidModel = "Ellipsoid" {
         /// The center.
         center | position | location | c: Point,
         /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
         /// cannot change over time.
-        #[schemars(extend("minItems" = 3, "maxItems" = 3), transform = no_axis_is_0)]
-        axes | radii: Other(Vec<Triple>),
+        axes | radii: Other { Type::Tuple(|| Type::Value(FieldKind::Way), 3) }(Vec<Triple>),
         /// The color: a matte surface. Give this or `material`.
         color: Color?,
         /// The material. Give this or `color`.
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl EllipsoidModel {
@@ -89,14 +86,6 @@ impl Kind for EllipsoidModel {
             clashes.push(clash.with("axes", [one], "the other one"));
         }
         clashes
-    }
-}
-
-/// Requires that each axis has a length.
-fn no_axis_is_0(schema: &mut Schema) {
-    let items = schema.get_mut("items").and_then(Json::as_object_mut);
-    if let Some(items) = items {
-        items.insert("not".to_owned(), json!({"const": [0, 0, 0]}));
     }
 }
 

@@ -14,7 +14,6 @@ use crate::scene::format::{
 object! {
     /// Geometries that belong together. Each of them is seen as if it stood in the list of the scene, at
     /// the place that the transform gives it.
-    #[schemars(inline)]
     pub struct GroupModel = "Group" {
         /// The geometries of the group; groups may be in groups.
         geometries | objects | shapes | children: Thing(Vec<GeometryModel>),

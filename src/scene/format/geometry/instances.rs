@@ -5,6 +5,7 @@ use crate::{
     scene::format::{
         geometry::{kind::Kind, table::TableModel},
         object::object,
+        thing::Type,
         transform::TransformModel,
     },
 };
@@ -12,25 +13,22 @@ use crate::{
 object! {
     /// Copies of another geometry of the scene, with its materials: one for each transform, or for each row
     /// of a table. However large it is, all of them share its memory.
-    #[schemars(inline)]
     pub struct InstancesModel = "Instances" {
         /// The name of the geometry, anywhere in the scene, which is also seen where it stands. The
         /// transforms of groups around it do not count.
-        #[schemars(length(min = 1))]
-        of: Other(Box<str>),
+        of: Other { Type::NameOfGeometry }(Box<str>),
         /// The place, direction and size of each copy. Give this or `file`.
         transforms: Thing(Vec<TransformModel>)?,
         /// The table in place of `transforms`: a path from the folder of the scene to a file .csv, .npy or
         /// .npz, with `/` between its parts. Its columns `x`, `y` and `z` are the shift of each copy;
         /// optional are `scale`, above 0, and `angle` in degrees about the axis `axis_x`, `axis_y`,
         /// `axis_z`, which is (0, 1, 0) where the table has none.
-        #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ])$"))]
-        file | csv | table | path: Other(Box<str>)?,
+        file | csv | table | path: File { &["csv", "npy", "npz"] }(Box<str>)?,
         /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
         /// first line is a row. A name that begins with `_` stands for a column to skip.
-        columns: Other(Vec<Box<str>>)?,
+        columns: Other { Type::List(|| Type::Text, 0) }(Vec<Box<str>>)?,
         /// The array of an .npz file whose rows are read; required where several have rows of columns.
-        array: Other(Box<str>)?,
+        array: Text(Box<str>)?,
         /// The name of the instances: no other geometry of the scene has it.
         name: Name?,
     }

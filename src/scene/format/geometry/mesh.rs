@@ -9,10 +9,11 @@ use crate::{
     diagnostic::Code,
     scene::format::{
         color_by::ColorByModel,
-        field::Triple,
+        field::{Kind as FieldKind, Triple},
         geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
         object::object,
+        thing::Type,
     },
     tracer::{
         color::Color,
@@ -27,18 +28,15 @@ use crate::{
 
 object! {
     /// A triangle mesh, seen from both sides.
-    #[schemars(inline)]
     pub struct MeshModel = "Mesh" {
         /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
         /// between its parts. Give this, or `vertices` and `triangles`.
-        #[schemars(with = "Option<Box<str>>", regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$"))]
-        file | path: Other(MeshFileModel)?,
+        file | path: File { &["ply", "obj", "stl"] }(MeshFileModel)?,
         /// The corners of the triangles. They cannot change over time.
-        vertices | points | positions: Other(Vec<Triple>)?,
+        vertices | points | positions: Other { Type::List(|| Type::Value(FieldKind::Point), 0) }(Vec<Triple>)?,
         /// The triangles: three numbers of `vertices` each, from 0. Seen from the outside of a closed
         /// mesh, they go around counterclockwise.
-        #[schemars(extend("minItems" = 1))]
-        triangles | faces | indices: Other(Vec<[u32; 3]>)?,
+        triangles | faces | indices: Other { Type::List(|| Type::Tuple(|| Type::Whole(Vec::new), 3), 1) }(Vec<[u32; 3]>)?,
         /// True to shade it like a curved surface, with normals between those of the corners; false is the
         /// default. Its outline and its shadows remain those of the triangles.
         smooth: Flag = false,
@@ -54,7 +52,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } at most one of color, material any of file, vertices
 }
 
 /// The path of a mesh file, and its mesh.

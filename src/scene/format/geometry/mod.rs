@@ -46,16 +46,16 @@ pub use self::{
 use std::sync::Arc;
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
         color_by::ColorByModel,
-        field::{Name, Value, variants},
+        field::{Name, Value},
         geometry::{clash::Clash, kind::Kind, nesting::Inside, table::TableModel},
         material::{MaterialModel, Materials, Surface},
+        thing::Thing,
         transform::TransformModel,
+        variants::variants,
     },
     tracer::{
         error::GeometryError,
@@ -64,72 +64,48 @@ use crate::{
     },
 };
 
-/// A geometry.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Geometry", deny_unknown_fields)]
-pub enum GeometryModel {
-    /// An infinite plane, seen from both sides.
-    Plane(PlaneModel),
-    /// A sphere.
-    Sphere(SphereModel),
-    /// A disc, seen from both sides.
-    Disc(DiscModel),
-    /// A parallelogram, seen from both sides.
-    Rectangle(Box<RectangleModel>),
-    /// A triangle, seen from both sides.
-    Triangle(Box<TriangleModel>),
-    /// A box along the axes.
-    Box(Box<BoxModel>),
-    /// A cylinder.
-    Cylinder(Box<CylinderModel>),
-    /// A cone, or a truncated cone.
-    Cone(Box<ConeModel>),
-    /// A capsule: a cylinder with hemispherical ends.
-    Capsule(Box<CapsuleModel>),
-    /// An ellipsoid.
-    Ellipsoid(Box<EllipsoidModel>),
-    /// A triangle mesh, seen from both sides.
-    Mesh(Box<MeshModel>),
-    /// Many spheres from a table, a file beside the scene: one in each row.
-    Spheres(Box<SpheresModel>),
-    /// Many cylinders from a table, a file beside the scene: one in each row, such as the bonds of a
-    /// molecule.
-    Cylinders(Box<CylindersModel>),
-    /// The geometries of another scene file, with their own materials.
-    Part(PartModel),
-    /// Geometries that belong together.
-    Group(GroupModel),
-    /// Copies of another geometry.
-    Instances(Box<InstancesModel>),
-    /// The union of several solids.
-    Union(Box<UnionModel>),
-    /// The intersection of several solids.
-    Intersection(Box<IntersectionModel>),
-    /// The difference of a solid and others.
-    Difference(Box<DifferenceModel>),
-}
-
 variants! {
-    GeometryModel {
+    /// A geometry.
+    pub enum GeometryModel = "Geometry" {
+        /// An infinite plane, seen from both sides.
         Plane(PlaneModel),
+        /// A sphere.
         Sphere(SphereModel) | Ball | SphereGeometry,
+        /// A disc, seen from both sides.
         Disc(DiscModel) | Circle,
-        Rectangle(RectangleModel) | Quad | Parallelogram,
-        Triangle(TriangleModel),
-        Box(BoxModel) | Cuboid | Cube | BoxGeometry,
-        Cylinder(CylinderModel) | CylinderGeometry,
-        Cone(ConeModel) | ConeGeometry,
-        Capsule(CapsuleModel) | CapsuleGeometry,
-        Ellipsoid(EllipsoidModel),
-        Mesh(MeshModel) | TriangleMesh,
-        Spheres(SpheresModel),
-        Cylinders(CylindersModel),
+        /// A parallelogram, seen from both sides.
+        Rectangle(Box<RectangleModel>) | Quad | Parallelogram,
+        /// A triangle, seen from both sides.
+        Triangle(Box<TriangleModel>),
+        /// A box along the axes.
+        Box(Box<BoxModel>) | Cuboid | Cube | BoxGeometry,
+        /// A cylinder.
+        Cylinder(Box<CylinderModel>) | CylinderGeometry,
+        /// A cone, or a truncated cone.
+        Cone(Box<ConeModel>) | ConeGeometry,
+        /// A capsule: a cylinder with hemispherical ends.
+        Capsule(Box<CapsuleModel>) | CapsuleGeometry,
+        /// An ellipsoid.
+        Ellipsoid(Box<EllipsoidModel>),
+        /// A triangle mesh, seen from both sides.
+        Mesh(Box<MeshModel>) | TriangleMesh,
+        /// Many spheres from a table, a file beside the scene: one in each row.
+        Spheres(Box<SpheresModel>),
+        /// Many cylinders from a table, a file beside the scene: one in each row, such as the bonds of a
+        /// molecule.
+        Cylinders(Box<CylindersModel>),
+        /// The geometries of another scene file, with their own materials.
         Part(PartModel) | Include,
+        /// Geometries that belong together.
         Group(GroupModel),
-        Instances(InstancesModel),
-        Union(UnionModel) | Merge,
-        Intersection(IntersectionModel),
-        Difference(DifferenceModel),
+        /// Copies of another geometry.
+        Instances(Box<InstancesModel>),
+        /// The union of several solids.
+        Union(Box<UnionModel>) | Merge,
+        /// The intersection of several solids.
+        Intersection(Box<IntersectionModel>),
+        /// The difference of a solid and others.
+        Difference(Box<DifferenceModel>),
     }
 }
 

@@ -4,12 +4,10 @@ use crate::scene::format::{geometry::kind::Kind, object::object, transform::Tran
 
 object! {
     /// The geometries of another scene file, with their own materials.
-    #[schemars(inline)]
     pub struct PartModel = "Part" {
         /// The scene file: a path from the folder of this file to a file .ron or .json, with `/`
         /// between its parts. It needs no camera.
-        #[schemars(regex(pattern = r"\.([rR][oO][nN]|[jJ][sS][oO][nN])$"))]
-        file | path: Other(Box<str>),
+        file | path: File { &["ron", "json"] }(Box<str>),
         /// True to add its lights; false is the default. The light of this scene falls on the part in
         /// either case.
         lights: Flag = false,

@@ -14,7 +14,6 @@ use crate::{
 
 object! {
     /// An infinite plane, seen from both sides.
-    #[schemars(inline)]
     pub struct PlaneModel = "Plane" {
         /// A point of the plane.
         point | position | location | a: Point,
@@ -27,7 +26,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for PlaneModel {

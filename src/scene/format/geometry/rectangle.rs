@@ -23,7 +23,6 @@ use crate::{
 
 object! {
     /// A parallelogram, seen from both sides.
-    #[schemars(inline)]
     pub struct RectangleModel = "Rectangle" {
         /// A corner.
         corner: Point,
@@ -37,7 +36,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for RectangleModel {

@@ -1,6 +1,9 @@
 //! The solids of a scene file combined from others.
 
-use std::{iter, slice, sync::Arc};
+use std::{
+    iter, slice,
+    sync::{Arc, LazyLock},
+};
 
 use crate::{
     scene::format::{
@@ -11,6 +14,7 @@ use crate::{
         },
         material::{MaterialModel, Materials, Surface},
         object::object,
+        thing::{OneOf, Type, Variant},
     },
     tracer::{
         error::GeometryError,
@@ -36,19 +40,34 @@ pub(crate) const SOLIDS: &[&str] = &[
     "Difference",
 ];
 
-/// The solids combined from others.
-pub(crate) const COMBINED: &[&str] = SOLIDS.split_at(SOLIDS.len() - 3).1;
+/// A solid inside of another one.
+pub(crate) static SOLID: LazyLock<OneOf> = LazyLock::new(|| {
+    static VARIANTS: LazyLock<Vec<Variant>> = LazyLock::new(|| {
+        let all = GeometryModel::VARIANTS.iter().copied();
+        all.filter(|variant| SOLIDS.contains(&variant.name))
+            .collect()
+    });
+    OneOf {
+        name: "Solid",
+        docs: "A solid, inside of another one. Its color or material may be that of the solid around \
+               it.",
+        variants: &VARIANTS,
+    }
+});
+
+/// The type of a solid inside of another one.
+fn solid() -> Type {
+    Type::OneOf(&SOLID)
+}
 
 /// The fields of solids with the solids inside.
 pub(crate) const OPERANDS: &[&str] = &["of", "minus"];
 
 object! {
     /// The union of several solids.
-    #[schemars(inline)]
     pub struct UnionModel = "Union" {
         /// The solids.
-        #[schemars(length(min = 1))]
-        of: Thing(Vec<GeometryModel>),
+        of: Thing { Type::List(solid, 1) }(Vec<GeometryModel>),
         /// The color of those without their own: a matte surface. Give this or `material`, or neither if
         /// each has its own.
         color: Color?,
@@ -56,16 +75,14 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } at most one of color, material
 }
 
 object! {
     /// The intersection of several solids.
-    #[schemars(inline)]
     pub struct IntersectionModel = "Intersection" {
         /// The solids.
-        #[schemars(length(min = 1))]
-        of: Thing(Vec<GeometryModel>),
+        of: Thing { Type::List(solid, 1) }(Vec<GeometryModel>),
         /// The color of those without their own: a matte surface. Give this or `material`, or neither if
         /// each has its own.
         color: Color?,
@@ -73,19 +90,17 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } at most one of color, material
 }
 
 object! {
     /// The difference of a solid and others.
-    #[schemars(inline)]
     pub struct DifferenceModel = "Difference" {
         /// The solid that is cut.
-        of: Thing(Box<GeometryModel>),
+        of: Thing { solid() }(Box<GeometryModel>),
         /// The solids that are cut away. A cut shows the color of the solid that made it. Let one stand out of
         /// a face that it opens: if it ends there, rounding may leave specks.
-        #[schemars(length(min = 1))]
-        minus: Thing(Vec<GeometryModel>),
+        minus: Thing { Type::List(solid, 1) }(Vec<GeometryModel>),
         /// The color of those without their own: a matte surface. Give this or `material`, or neither if
         /// each has its own.
         color: Color?,
@@ -93,7 +108,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } at most one of color, material
 }
 
 /// Defines what a solid of equal operands tells of itself.

@@ -14,7 +14,6 @@ use crate::{
 
 object! {
     /// A sphere.
-    #[schemars(inline)]
     pub struct SphereModel = "Sphere" {
         /// The center.
         center | position | location | c: Point,
@@ -26,7 +25,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl Kind for SphereModel {

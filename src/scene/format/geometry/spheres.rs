@@ -3,22 +3,20 @@
 use std::sync::Arc;
 
 use crate::scene::format::{
-    color::ColorModel, color_by::ColorByModel, material::MaterialModel, object::object,
+    color::ColorModel, color_by::ColorByModel, material::MaterialModel, object::object, thing::Type,
 };
 
 object! {
     /// Many spheres from a table, a file beside the scene: one in each row.
-    #[schemars(inline)]
     pub struct SpheresModel = "Spheres" {
         /// The table: a path from the folder of the scene to a file .csv, .npy, .npz, .ply, .xyz or
         /// .pdb, with `/` between its parts.
-        #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yYzZ]|[pP][lL][yY]|[xX][yY][zZ]|[pP][dD][bB])$"))]
-        file | csv | table | path: Other(Box<str>),
+        file | csv | table | path: File { &["csv", "npy", "npz", "ply", "xyz", "pdb"] }(Box<str>),
         /// The names of the columns of a table without names: an array of numbers, or a CSV file whose
         /// first line is a row. A name that begins with `_` stands for a column to skip.
-        columns: Other(Vec<Box<str>>)?,
+        columns: Other { Type::List(|| Type::Text, 0) }(Vec<Box<str>>)?,
         /// The array of an .npz file whose rows are read; required where several have rows of columns.
-        array: Other(Box<str>)?,
+        array: Text(Box<str>)?,
         /// The radius of rows that have none, above 0; required where the table has none. Of atoms, the
         /// radius of all of them.
         radius | r: Positive ?= 0.0,
@@ -33,5 +31,5 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the table: no other geometry of the scene has it.
         name: Name?,
-    }
+    } at most one of color, material
 }

@@ -22,7 +22,6 @@ use crate::{
 
 object! {
     /// A triangle, seen from both sides.
-    #[schemars(inline)]
     pub struct TriangleModel = "Triangle" {
         /// The first corner.
         a | v0: Point,
@@ -36,7 +35,7 @@ object! {
         material: Thing(Arc<MaterialModel>)?,
         /// The name of the geometry: no other geometry of the scene has it.
         name: Name?,
-    }
+    } one of color, material
 }
 
 impl TriangleModel {

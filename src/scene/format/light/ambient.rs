@@ -10,7 +10,6 @@ use crate::{
 
 object! {
     /// Light from everywhere; it casts no shadows.
-    #[schemars(inline)]
     pub struct AmbientLightModel = "Ambient" {
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,

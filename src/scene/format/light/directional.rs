@@ -10,7 +10,6 @@ use crate::{
 
 object! {
     /// Parallel light, as from the sun.
-    #[schemars(inline)]
     pub struct DirectionalLightModel = "Directional" {
         /// The direction that the light travels in, of any length.
         direction: Direction,

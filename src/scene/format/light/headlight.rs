@@ -11,7 +11,6 @@ use crate::{
 object! {
     /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
     #[derive(Default)]
-    #[schemars(inline)]
     pub struct HeadlightLightModel = "Headlight" {
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,

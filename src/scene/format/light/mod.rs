@@ -11,39 +11,26 @@ pub use self::{
     point::PointLightModel, spot::SpotLightModel,
 };
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::{
-    scene::format::field::variants,
+    scene::format::variants::{variants, words},
     tracer::{
         error::GeometryError,
         light::{Falloff, Light},
     },
 };
 
-/// A light.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Light", deny_unknown_fields)]
-pub enum LightModel {
-    /// Light from everywhere; it casts no shadows.
-    Ambient(AmbientLightModel),
-    /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
-    Headlight(HeadlightLightModel),
-    /// Parallel light, as from the sun.
-    Directional(DirectionalLightModel),
-    /// Light from a point in all directions.
-    Point(PointLightModel),
-    /// A cone of light from a point.
-    Spot(SpotLightModel),
-}
-
 variants! {
-    LightModel {
+    /// A light.
+    pub enum LightModel = "Light" {
+        /// Light from everywhere; it casts no shadows.
         Ambient(AmbientLightModel) | AmbientLight,
+        /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
         Headlight(HeadlightLightModel),
+        /// Parallel light, as from the sun.
         Directional(DirectionalLightModel) | DirectionalLight | DistantLight | Sun,
+        /// Light from a point in all directions.
         Point(PointLightModel) | PointLight,
+        /// A cone of light from a point.
         Spot(SpotLightModel) | SpotLight,
     }
 }
@@ -73,15 +60,16 @@ impl LightModel {
     }
 }
 
-/// The weakening of light by distance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Falloff")]
-pub enum FalloffModel {
-    /// As in nature: a quarter of the light at twice the distance.
-    #[default]
-    InverseSquare,
-    /// No weakening.
-    Constant,
+words! {
+    /// The weakening of light by distance.
+    #[derive(Copy, Default, Eq)]
+    pub enum FalloffModel = "Falloff" {
+        /// As in nature: a quarter of the light at twice the distance.
+        #[default]
+        InverseSquare,
+        /// No weakening.
+        Constant,
+    }
 }
 
 impl From<FalloffModel> for Falloff {

@@ -10,7 +10,6 @@ use crate::{
 
 object! {
     /// Light from a point in all directions.
-    #[schemars(inline)]
     pub struct PointLightModel = "Point" {
         /// The position.
         position | location: Point,

@@ -12,7 +12,6 @@ use crate::{
 
 object! {
     /// A cone of light from a point.
-    #[schemars(inline)]
     pub struct SpotLightModel = "Spot" {
         /// The position.
         position | location: Point,
@@ -35,7 +34,7 @@ object! {
         shadows: Flag = true,
         /// The name of the light: no other light of the scene has it.
         name: Name?,
-    }
+    } one of direction, look_at
 }
 
 impl SpotLightModel {

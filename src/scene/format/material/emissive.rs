@@ -10,7 +10,6 @@ use crate::{
 
 object! {
     /// Shines, whatever light falls on it, but lights nothing else.
-    #[schemars(inline)]
     pub struct EmissiveModel = "Emissive" {
         /// The color.
         color: Color,

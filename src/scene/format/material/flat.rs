@@ -7,7 +7,6 @@ use crate::{
 
 object! {
     /// Shows its color in any light.
-    #[schemars(inline)]
     pub struct FlatModel = "Flat" {
         /// The color.
         color: Color,

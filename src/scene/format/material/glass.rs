@@ -10,7 +10,6 @@ use crate::{
 
 object! {
     /// Reflects and refracts. A plane or a disc of glass is a pane without thickness.
-    #[schemars(inline)]
     pub struct GlassModel = "Glass" {
         /// The color that refracted light is multiplied by at each surface; white is the default.
         color: Color = ColorModel::WHITE,

@@ -7,7 +7,6 @@ use crate::{
 
 object! {
     /// Scatters light evenly to all sides.
-    #[schemars(inline)]
     pub struct MatteModel = "Matte" {
         /// The color.
         color | diffuse: Color,

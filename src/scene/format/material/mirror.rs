@@ -7,7 +7,6 @@ use crate::{
 
 object! {
     /// Reflects what is around it, times a color.
-    #[schemars(inline)]
     pub struct MirrorModel = "Mirror" {
         /// The color; white is the default.
         color: Color = ColorModel::WHITE,

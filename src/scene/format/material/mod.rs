@@ -13,48 +13,35 @@ pub use self::{
     mirror::MirrorModel, named::NamedModel, phong::PhongModel,
 };
 
-use std::{borrow::Cow, collections::HashMap};
+use std::collections::HashMap;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize, de::MapAccess};
+use serde::de::MapAccess;
 
 use crate::{
     scene::format::{
         color::ColorModel,
-        field::variants,
         map::{Entry, Map},
+        variants::variants,
     },
     tracer::{color::Color, error::GeometryError, material::Material},
 };
 
-/// What a surface does with light. Without `lights` a geometry shows its first color.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Material", deny_unknown_fields)]
-pub enum MaterialModel {
-    /// Scatters light evenly to all sides.
-    Matte(MatteModel),
-    /// Scatters light, with a highlight, and may reflect a part of what is around it.
-    Phong(PhongModel),
-    /// Reflects what is around it, times a color.
-    Mirror(MirrorModel),
-    /// Reflects and refracts. A plane or a disc of glass is a pane without thickness.
-    Glass(GlassModel),
-    /// Shows its color in any light.
-    Flat(FlatModel),
-    /// Shines, whatever light falls on it, but lights nothing else.
-    Emissive(EmissiveModel),
-    /// One of the scene's `materials`, by its name.
-    Named(NamedModel),
-}
-
 variants! {
-    MaterialModel {
+    /// What a surface does with light. Without `lights` a geometry shows its first color.
+    pub enum MaterialModel = "Material" {
+        /// Scatters light evenly to all sides.
         Matte(MatteModel) | Lambert | Lambertian | Diffuse | MeshLambertMaterial,
+        /// Scatters light, with a highlight, and may reflect a part of what is around it.
         Phong(PhongModel) | MeshPhongMaterial,
+        /// Reflects what is around it, times a color.
         Mirror(MirrorModel) | Metal,
+        /// Reflects and refracts. A plane or a disc of glass is a pane without thickness.
         Glass(GlassModel) | Dielectric,
+        /// Shows its color in any light.
         Flat(FlatModel) | MeshBasicMaterial,
+        /// Shines, whatever light falls on it, but lights nothing else.
         Emissive(EmissiveModel) | Emission,
+        /// One of the scene's `materials`, by its name.
         Named(NamedModel),
     }
 }
@@ -115,21 +102,6 @@ impl<'de> Entry<'de> for MaterialModel {
 
     fn read<A: MapAccess<'de>>(_name: &str, map: &mut A) -> Result<Self, A::Error> {
         map.next_value()
-    }
-}
-
-impl JsonSchema for MaterialsModel {
-    fn schema_name() -> Cow<'static, str> {
-        "Materials".into()
-    }
-
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let material = generator.subschema_for::<MaterialModel>();
-        json_schema!({"type": "object", "additionalProperties": material})
     }
 }
 

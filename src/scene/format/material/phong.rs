@@ -10,7 +10,6 @@ use crate::{
 
 object! {
     /// Scatters light, with a highlight, and may reflect a part of what is around it.
-    #[schemars(inline)]
     pub struct PhongModel = "Phong" {
         /// The color of scattered light.
         diffuse | color: Color,

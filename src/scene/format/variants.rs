@@ -1,0 +1,128 @@
+//! The declaration of a value that is one of several: of objects, each with its name, or of words.
+//!
+//! ```text
+//! variants! {
+//!     /// A light.
+//!     pub enum LightModel = "Light" {
+//!         /// Light from a point in all directions.
+//!         Point(PointLightModel) | PointLight,
+//!     }
+//! }
+//! ```
+//!
+//! Behind a `|` stand the names that other programs give a variant.
+
+/// Defines an enum of objects, which forwards everything to its current variant.
+macro_rules! variants {
+    (
+        $(#[$($meta:tt)*])* pub enum $model:ident = $name:literal {
+            $($(#[$($doc:tt)*])* $variant:ident($thing:ty) $(| $other:ident)*),* $(,)?
+        }
+    ) => {
+        $(#[$($meta)*])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(rename = $name, deny_unknown_fields)]
+        pub enum $model {
+            $($(#[$($doc)*])* $variant($thing)),*
+        }
+
+        const _: () = {
+            use $crate::scene::format::{field, object, thing};
+
+            impl $model {
+                /// All variants with their fields.
+                pub(crate) const VARIANTS: &'static [thing::Variant] = &[$(
+                    thing::Variant {
+                        name: stringify!($variant),
+                        docs: object::docs!($([$($doc)*])*),
+                        others: &[$(stringify!($other)),*],
+                        content: Some(<$thing as thing::Thing>::of_type),
+                    },
+                )*];
+            }
+
+            impl thing::Thing for $model {
+                fn of_type() -> thing::Type {
+                    static ONE_OF: thing::OneOf = thing::OneOf {
+                        name: $name,
+                        docs: object::docs!($([$($meta)*])*),
+                        variants: $model::VARIANTS,
+                    };
+                    thing::Type::OneOf(&ONE_OF)
+                }
+
+                fn fields(&self) -> &'static [field::Field] {
+                    match self {
+                        $(Self::$variant(thing) => thing.fields()),*
+                    }
+                }
+
+                #[inline]
+                fn each<'m>(&'m self, see: impl FnMut(&'static field::Field, field::Value<'m>)) {
+                    match self {
+                        $(Self::$variant(thing) => thing.each(see)),*
+                    }
+                }
+
+                fn has(&self, field: &str) -> bool {
+                    match self {
+                        $(Self::$variant(thing) => thing.has(field)),*
+                    }
+                }
+
+                fn slot(&mut self, field: &str) -> Option<field::Slot<'_>> {
+                    match self {
+                        $(Self::$variant(thing) => thing.slot(field)),*
+                    }
+                }
+
+                fn things(&self, see: thing::See) -> std::ops::ControlFlow<()> {
+                    match self {
+                        $(Self::$variant(thing) => thing.things(see)),*
+                    }
+                }
+            }
+        };
+    };
+}
+
+/// Defines an enum of words, of which one may have content of the given type.
+macro_rules! words {
+    (
+        $(#[$($meta:tt)*])* pub enum $model:ident = $name:literal {
+            $($(#[$($doc:tt)*])* $variant:ident $(($content:ty): $of:expr)?),* $(,)?
+        }
+    ) => {
+        $(#[$($meta)*])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(rename = $name, deny_unknown_fields)]
+        pub enum $model {
+            $($(#[$($doc)*])* $variant $(($content))?),*
+        }
+
+        impl $model {
+            /// Returns the type.
+            pub(crate) fn of_type() -> $crate::scene::format::thing::Type {
+                use $crate::scene::format::{object, thing};
+
+                static ONE_OF: thing::OneOf = thing::OneOf {
+                    name: $name,
+                    docs: object::docs!($([$($meta)*])*),
+                    variants: &[$(
+                        thing::Variant {
+                            name: stringify!($variant),
+                            docs: object::docs!($([$($doc)*])*),
+                            others: &[],
+                            content: $crate::scene::format::variants::words!(@content $($of)?),
+                        },
+                    )*],
+                };
+                thing::Type::OneOf(&ONE_OF)
+            }
+        }
+    };
+    (@content) => { None };
+    (@content $of:expr) => { Some(|| $of) };
+}
+
+pub(crate) use {variants, words};
