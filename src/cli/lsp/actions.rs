@@ -11,7 +11,6 @@ use strahl::{diagnostic::Fix, text::Edit};
 
 use super::{
     super::changed_lines::changed_lines,
-    client::Client,
     diagnostics,
     document::{Latest, Snapshot},
 };
@@ -23,7 +22,6 @@ const FIX_ALL: CodeActionKind = CodeActionKind::SOURCE_FIX_ALL;
 /// Returns the actions for a range of a text that was checked.
 pub(super) fn all(
     snapshot: &Snapshot,
-    client: &Client,
     latest: &Latest,
     params: &CodeActionParams,
 ) -> Vec<CodeActionOrCommand> {
@@ -43,9 +41,9 @@ pub(super) fn all(
                 fault,
                 &places,
                 &snapshot.uri,
-                client,
+                &snapshot.client,
             )]),
-            edit: Some(workspace_edit(snapshot, client, &fix.edits)),
+            edit: Some(workspace_edit(snapshot, &fix.edits)),
             is_preferred: Some(fix.is_safe),
             ..CodeAction::default()
         }));
@@ -62,7 +60,7 @@ pub(super) fn all(
                     count => format!("Apply all {count} safe fixes"),
                 },
                 kind: Some(FIX_ALL),
-                edit: Some(workspace_edit(snapshot, client, &edits)),
+                edit: Some(workspace_edit(snapshot, &edits)),
                 ..CodeAction::default()
             }
         }));
@@ -114,14 +112,10 @@ fn title(text: &str, fix: &Fix, message: &str) -> String {
     clippy::mutable_key_type,
     reason = "the protocol's type; nothing changes the address"
 )]
-pub(super) fn workspace_edit(
-    snapshot: &Snapshot,
-    client: &Client,
-    edits: &[Edit],
-) -> WorkspaceEdit {
+pub(super) fn workspace_edit(snapshot: &Snapshot, edits: &[Edit]) -> WorkspaceEdit {
     let places = snapshot.places();
     let edits = edits.iter().map(|edit| places.edit(edit));
-    if !client.document_changes {
+    if !snapshot.client.document_changes {
         return WorkspaceEdit {
             changes: Some(HashMap::from([(snapshot.uri.clone(), edits.collect())])),
             ..WorkspaceEdit::default()

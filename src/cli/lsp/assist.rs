@@ -7,11 +7,10 @@ use lsp_types::{
 };
 use strahl::scene::CompletionKind;
 
-use super::{client::Client, document::Snapshot, requests::Result};
+use super::{document::Snapshot, requests::Result};
 
 pub(super) fn complete(
     snapshot: &Snapshot,
-    client: &Client,
     params: CompletionParams,
 ) -> Result<Option<CompletionResponse>> {
     let places = snapshot.places();
@@ -36,7 +35,7 @@ pub(super) fn complete(
             }),
             sort_text: Some(format!("{index:04}")),
             kind: Some(kind(item.kind)),
-            documentation: documentation(item.docs, client.markdown_completion),
+            documentation: documentation(item.docs, snapshot.client.markdown_completion),
             detail: Some(item.detail).filter(|detail| !detail.is_empty()),
             label: item.label,
             text_edit: Some(CompletionTextEdit::Edit(TextEdit {
@@ -75,18 +74,14 @@ fn documentation(docs: String, markdown: bool) -> Option<Documentation> {
     }
 }
 
-pub(super) fn hover(
-    snapshot: &Snapshot,
-    client: &Client,
-    params: HoverParams,
-) -> Result<Option<Hover>> {
+pub(super) fn hover(snapshot: &Snapshot, params: HoverParams) -> Result<Option<Hover>> {
     let places = snapshot.places();
     let offset = places.offset(params.text_document_position_params.position);
     let excerpt = snapshot.text.around(offset);
     let Some(found) = excerpt.hover(offset) else {
         return Ok(None);
     };
-    let (kind, title) = match client.markdown_hover {
+    let (kind, title) = match snapshot.client.markdown_hover {
         true => (MarkupKind::Markdown, format!("**{}**", found.title)),
         false => (MarkupKind::PlainText, found.title),
     };

@@ -5,14 +5,13 @@ use lsp_types::{
 };
 use strahl::{Color, scene::Source};
 
-use super::{client::Client, document::Snapshot, requests::Result};
+use super::{document::Snapshot, requests::Result};
 
 /// The most colors that are sent: editors show fewer.
 const MOST: usize = 5000;
 
 pub(super) fn all(
     snapshot: &Snapshot,
-    _client: &Client,
     _params: DocumentColorParams,
 ) -> Result<Vec<ColorInformation>> {
     let places = snapshot.places();
@@ -36,7 +35,6 @@ pub(super) fn all(
 
 pub(super) fn presentations(
     snapshot: &Snapshot,
-    _client: &Client,
     params: ColorPresentationParams,
 ) -> Result<Vec<ColorPresentation>> {
     let places = snapshot.places();

@@ -1,6 +1,9 @@
 //! Diagnostics: pushed with every text, or sent when the client asks.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::{
+    hash::{DefaultHasher, Hash, Hasher},
+    sync::Arc,
+};
 
 use lsp_types::{
     CodeDescription, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
@@ -141,7 +144,7 @@ pub(super) fn publish(
 
 /// Returns true if a request that needs the diagnostics of the newest text can be answered. Until
 /// the whole text is checked, that is one whose client can be told of more, or one about a place.
-pub(super) fn can_answer(document: &OpenDocument, waiting: &Waiting, client: &Client) -> bool {
+fn can_answer(document: &OpenDocument, waiting: &Waiting, client: &Client) -> bool {
     match document.latest() {
         None => !document.is_scene_file,
         Some(latest) if latest.whole.is_some() => true,
@@ -152,8 +155,18 @@ pub(super) fn can_answer(document: &OpenDocument, waiting: &Waiting, client: &Cl
     }
 }
 
-/// Answers such a request.
-pub(super) fn answer(document: &mut OpenDocument, waiting: Waiting, client: &Client, work: &Work) {
+/// Answers a request that needs the diagnostics of the newest text, or lets it wait for them.
+pub(super) fn answer_or_wait(
+    document: &mut OpenDocument,
+    waiting: Waiting,
+    client: &Arc<Client>,
+    work: &Work,
+) {
+    if !can_answer(document, &waiting, client) {
+        document.waiting.push(waiting);
+        document.hurry();
+        return;
+    }
     let Waiting { id, wish } = waiting;
     match wish {
         Wish::Diagnostics(known) => {
@@ -166,11 +179,9 @@ pub(super) fn answer(document: &mut OpenDocument, waiting: Waiting, client: &Cli
         }
         Wish::Actions(params) => {
             let latest = document.latest().filter(|latest| latest.is_scene).cloned();
-            let snapshot = document.snapshot(client.columns);
-            let client = client.clone();
+            let snapshot = document.snapshot(client);
             work.answer(id, Pace::Slow, move |_| {
-                let actions =
-                    latest.map(|latest| actions::all(&snapshot, &client, &latest, &params));
+                let actions = latest.map(|latest| actions::all(&snapshot, &latest, &params));
                 requests::value(actions)
             });
         }

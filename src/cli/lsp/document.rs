@@ -17,6 +17,7 @@ use strahl::{
 };
 
 use super::{
+    client::Client,
     server::Event,
     settings::OfScene,
     text::{Places, Replaced, Text},
@@ -122,12 +123,12 @@ pub(super) struct Snapshot {
     pub(super) version: i32,
     pub(super) text: Text,
     pub(super) settings: OfScene,
-    pub(super) columns: Columns,
+    pub(super) client: Arc<Client>,
 }
 
 impl Snapshot {
     pub(super) fn places(&self) -> Places<'_> {
-        self.text.places(self.columns)
+        self.text.places(self.client.columns)
     }
 }
 
@@ -334,13 +335,13 @@ impl OpenDocument {
         }
     }
 
-    pub(super) fn snapshot(&self, columns: Columns) -> Snapshot {
+    pub(super) fn snapshot(&self, client: &Arc<Client>) -> Snapshot {
         Snapshot {
             uri: self.uri.clone(),
             version: self.version,
             text: self.text.clone(),
             settings: self.settings.clone(),
-            columns,
+            client: Arc::clone(client),
         }
     }
 

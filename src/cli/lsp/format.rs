@@ -8,9 +8,7 @@ use lsp_types::{
 };
 use strahl::text::Edit;
 
-use super::{
-    super::changed_lines::changed_lines, client::Client, document::Snapshot, requests::Result,
-};
+use super::{super::changed_lines::changed_lines, document::Snapshot, requests::Result};
 
 /// Returns the edits that format a text; `None` if it has syntax faults.
 fn edits(snapshot: &Snapshot) -> Option<Vec<Edit>> {
@@ -26,7 +24,6 @@ fn placed(snapshot: &Snapshot, edits: &[Edit]) -> Vec<TextEdit> {
 
 pub(super) fn whole(
     snapshot: &Snapshot,
-    _client: &Client,
     _params: DocumentFormattingParams,
 ) -> Result<Option<Vec<TextEdit>>> {
     Ok(edits(snapshot).map(|edits| placed(snapshot, &edits)))
@@ -34,7 +31,6 @@ pub(super) fn whole(
 
 pub(super) fn range(
     snapshot: &Snapshot,
-    _client: &Client,
     params: DocumentRangeFormattingParams,
 ) -> Result<Option<Vec<TextEdit>>> {
     let range = snapshot.places().offsets(params.range);
@@ -48,7 +44,6 @@ pub(super) fn range(
 
 pub(super) fn on_type(
     snapshot: &Snapshot,
-    _client: &Client,
     params: DocumentOnTypeFormattingParams,
 ) -> Result<Option<Vec<TextEdit>>> {
     let places = snapshot.places();

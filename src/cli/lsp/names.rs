@@ -8,9 +8,7 @@ use lsp_types::{
 };
 use strahl::scene::Name;
 
-use super::{
-    actions::workspace_edit, client::Client, document::Snapshot, outbox::refused, requests::Result,
-};
+use super::{actions::workspace_edit, document::Snapshot, outbox::refused, requests::Result};
 
 /// Returns the places of the name at a position.
 fn places(snapshot: &Snapshot, position: Position) -> Vec<Name> {
@@ -31,7 +29,6 @@ fn locations<'a>(snapshot: &Snapshot, names: impl Iterator<Item = &'a Name>) -> 
 
 pub(super) fn definition(
     snapshot: &Snapshot,
-    _client: &Client,
     params: GotoDefinitionParams,
 ) -> Result<Option<GotoDefinitionResponse>> {
     let found = places(snapshot, params.text_document_position_params.position);
@@ -43,7 +40,6 @@ pub(super) fn definition(
 
 pub(super) fn references(
     snapshot: &Snapshot,
-    _client: &Client,
     params: ReferenceParams,
 ) -> Result<Option<Vec<Location>>> {
     let found = places(snapshot, params.text_document_position.position);
@@ -54,7 +50,6 @@ pub(super) fn references(
 
 pub(super) fn highlights(
     snapshot: &Snapshot,
-    _client: &Client,
     params: DocumentHighlightParams,
 ) -> Result<Option<Vec<DocumentHighlight>>> {
     let found = places(snapshot, params.text_document_position_params.position);
@@ -71,7 +66,6 @@ pub(super) fn highlights(
 
 pub(super) fn prepare(
     snapshot: &Snapshot,
-    _client: &Client,
     params: TextDocumentPositionParams,
 ) -> Result<Option<PrepareRenameResponse>> {
     let places = snapshot.places();
@@ -85,11 +79,7 @@ pub(super) fn prepare(
     )
 }
 
-pub(super) fn rename(
-    snapshot: &Snapshot,
-    client: &Client,
-    params: RenameParams,
-) -> Result<Option<WorkspaceEdit>> {
+pub(super) fn rename(snapshot: &Snapshot, params: RenameParams) -> Result<Option<WorkspaceEdit>> {
     let places = snapshot.places();
     let offset = places.offset(params.text_document_position.position);
     let excerpt = snapshot.text.around(offset);
@@ -99,5 +89,5 @@ pub(super) fn rename(
     };
     let edits = excerpt.rename(&name, &params.new_name);
     let edits = edits.map_err(|error| refused(ErrorCode::RequestFailed, error.to_string()))?;
-    Ok(Some(workspace_edit(snapshot, client, &edits)))
+    Ok(Some(workspace_edit(snapshot, &edits)))
 }

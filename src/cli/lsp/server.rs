@@ -12,7 +12,7 @@ use std::{
 use lsp_server::{ErrorCode, Message, Notification, Request, RequestId};
 use lsp_types::{
     DidChangeTextDocumentParams, DidChangeWatchedFilesParams, DidChangeWorkspaceFoldersParams,
-    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams, Uri,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
 };
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -23,7 +23,7 @@ use super::{
     capabilities,
     client::Client,
     diagnostics,
-    document::{OpenDocument, Report, Snapshot},
+    document::{OpenDocument, Report},
     documents::Documents,
     outbox::{Outbox, refused},
     parent, requests,
@@ -140,35 +140,24 @@ impl Server {
     }
 
     fn on_request(&mut self, request: Request) {
-        let refuse = |code, message: &str| Err(refused(code, message));
-        match (self.phase, &*request.method) {
-            (Phase::Start, "initialize") => {
-                let answer = self.initialize(&request.params);
-                self.outbox.respond(request.id, Ok(answer));
-            }
-            (Phase::Start, _) => {
-                let answer = refuse(
-                    ErrorCode::ServerNotInitialized,
-                    "expected `initialize` first",
-                );
-                self.outbox.respond(request.id, answer);
-            }
+        let invalid = |message| Err(refused(ErrorCode::InvalidRequest, message));
+        let answer = match (self.phase, &*request.method) {
+            (Phase::Start, "initialize") => Ok(self.initialize(&request.params)),
+            (Phase::Start, _) => Err(refused(
+                ErrorCode::ServerNotInitialized,
+                "expected `initialize` first",
+            )),
             (Phase::Running, "shutdown") => {
                 self.phase = Phase::ShutDown;
                 self.work.cancel_all();
                 self.documents = Documents::default();
-                self.outbox.respond(request.id, Ok(Value::Null));
+                Ok(Value::Null)
             }
-            (Phase::Running, "initialize") => {
-                let answer = refuse(ErrorCode::InvalidRequest, "`initialize` came before");
-                self.outbox.respond(request.id, answer);
-            }
-            (Phase::Running, _) => requests::dispatch(self, request),
-            (Phase::ShutDown, _) => {
-                let answer = refuse(ErrorCode::InvalidRequest, "the server is shut down");
-                self.outbox.respond(request.id, answer);
-            }
-        }
+            (Phase::Running, "initialize") => invalid("`initialize` came before"),
+            (Phase::Running, _) => return requests::dispatch(self, request),
+            (Phase::ShutDown, _) => invalid("the server is shut down"),
+        };
+        self.outbox.respond(request.id, answer);
     }
 
     fn initialize(&mut self, params: &Value) -> Value {
@@ -380,12 +369,7 @@ impl Server {
         }
         diagnostics::tell(document, &self.client, &self.outbox);
         for waiting in std::mem::take(&mut document.waiting) {
-            if diagnostics::can_answer(document, &waiting, &self.client) {
-                diagnostics::answer(document, waiting, &self.client, &self.work);
-            } else {
-                document.waiting.push(waiting);
-                document.hurry();
-            }
+            diagnostics::answer_or_wait(document, waiting, &self.client, &self.work);
         }
     }
 
@@ -407,11 +391,5 @@ impl Server {
                 document.set(settings);
             }
         }
-    }
-
-    /// Returns a document as it is now.
-    pub(super) fn snapshot(&self, uri: &Uri) -> Option<Snapshot> {
-        let document = self.documents.get(uri.as_str())?;
-        Some(document.snapshot(self.client.columns))
     }
 }

@@ -6,16 +6,15 @@ use lsp_types::{
 };
 use strahl::scene::{Symbol, SymbolKind};
 
-use super::{client::Client, document::Snapshot, requests::Result, text::Places, uri};
+use super::{document::Snapshot, requests::Result, text::Places, uri};
 
 pub(super) fn symbols(
     snapshot: &Snapshot,
-    client: &Client,
     _params: DocumentSymbolParams,
 ) -> Result<Option<DocumentSymbolResponse>> {
     let places = snapshot.places();
     let symbols = snapshot.text.source().symbols();
-    if client.nested_symbols {
+    if snapshot.client.nested_symbols {
         let nested = symbols.into_iter().map(|symbol| nested(symbol, &places));
         return Ok(Some(DocumentSymbolResponse::Nested(nested.collect())));
     }
@@ -83,7 +82,6 @@ fn flatten(
 
 pub(super) fn folds(
     snapshot: &Snapshot,
-    client: &Client,
     _params: FoldingRangeParams,
 ) -> Result<Option<Vec<FoldingRange>>> {
     let places = snapshot.places();
@@ -91,7 +89,7 @@ pub(super) fn folds(
     let mut folds = source.folds();
     // The largest are the most useful ones.
     folds.sort_by_key(|fold| std::cmp::Reverse(fold.range.len()));
-    folds.truncate(client.folds);
+    folds.truncate(snapshot.client.folds);
     folds.sort_by_key(|fold| fold.range.start);
     let folds = folds.into_iter().filter_map(|fold| {
         let start = places.position(fold.range.start);
@@ -114,7 +112,6 @@ pub(super) fn folds(
 
 pub(super) fn links(
     snapshot: &Snapshot,
-    _client: &Client,
     _params: DocumentLinkParams,
 ) -> Result<Option<Vec<DocumentLink>>> {
     let places = snapshot.places();

@@ -73,7 +73,7 @@ pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagno
         .values()
         .filter(|document| document.is_scene_file);
     let open = open.filter_map(|document| {
-        let snapshot = document.snapshot(server.client.columns);
+        let snapshot = document.snapshot(&server.client);
         Some((document.path.clone()?, snapshot))
     });
     let run = Run {
