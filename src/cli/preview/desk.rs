@@ -6,18 +6,18 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use serde::Serialize;
+use serde_json::{Value, json};
 use strahl::{
-    Error, Scene, Syntax,
+    Error, Syntax,
     diagnostic::{read_file, read_text},
     image_file::{replace_file, write_file},
     parallel::Cancel,
-    session::{Checked, Draft, Session},
+    session::{Checked, Draft, Ready, Session},
 };
 use tokio::sync::watch;
 
 use super::{
-    findings::Finding,
+    findings,
     routes::{Refusal, refuse},
 };
 
@@ -49,62 +49,27 @@ struct FileState {
 /// The last result, with its diagnostics as pages get them.
 struct Latest {
     checked: Arc<Checked>,
-    diagnostics: Vec<Finding>,
+    diagnostics: Vec<Value>,
 }
 
-/// The state of the desk, as JSON.
-#[derive(Serialize)]
-struct State<'a> {
-    file: &'a str,
-    syntax: &'static str,
-    version: u64,
-    revision: u64,
-    checked: u64,
-    is_saved: bool,
-    conflict: bool,
-    is_broken: bool,
-    diagnostics: &'a [Finding],
-    suppressed: usize,
-    scene: Option<SceneState<'a>>,
-}
-
-#[derive(Serialize)]
-struct SceneState<'a> {
-    revision: u64,
-    width: u32,
-    height: u32,
-    samples: u32,
-    cameras: Vec<&'a str>,
-    has_camera: bool,
-    frames: u32,
-    fps: f64,
-    is_lit: bool,
-    exposure: f64,
-    geometries: usize,
-    layers: Vec<String>,
-}
-
-impl<'a> SceneState<'a> {
-    fn new(revision: u64, scene: &'a Scene) -> Self {
-        let animation = scene.animation();
-        Self {
-            revision,
-            width: scene.size().width(),
-            height: scene.size().height(),
-            samples: scene.samples().count(),
-            cameras: scene.cameras().collect(),
-            has_camera: scene.has_camera(),
-            frames: animation.map_or(1, |animation| animation.frames()),
-            fps: animation.map_or(24.0, |animation| animation.fps()),
-            is_lit: scene.world().lighting().is_some(),
-            exposure: scene.tone().exposure(),
-            geometries: scene.world().ids(),
-            layers: scene
-                .shown_layers()
-                .map(|layer| layer.to_string())
-                .collect(),
-        }
-    }
+/// Returns a scene as pages get it.
+fn scene_state(Ready { revision, scene }: &Ready) -> Value {
+    let animation = scene.animation();
+    let layers = scene.shown_layers().map(|layer| layer.to_string());
+    json!({
+        "revision": revision,
+        "width": scene.size().width(),
+        "height": scene.size().height(),
+        "samples": scene.samples().count(),
+        "cameras": scene.cameras().collect::<Vec<_>>(),
+        "has_camera": scene.has_camera(),
+        "frames": animation.map_or(1, |animation| animation.frames()),
+        "fps": animation.map_or(24.0, |animation| animation.fps()),
+        "is_lit": scene.world().lighting().is_some(),
+        "exposure": scene.tone().exposure(),
+        "geometries": scene.world().ids(),
+        "layers": layers.collect::<Vec<_>>(),
+    })
 }
 
 impl Desk {
@@ -145,7 +110,7 @@ impl Desk {
 
     /// Takes over the result of a check.
     pub(super) fn show(&self, checked: Arc<Checked>) {
-        let diagnostics = Finding::all(checked.document());
+        let diagnostics = findings::all(checked.document());
         *self.latest() = Some(Latest {
             checked,
             diagnostics,
@@ -168,28 +133,21 @@ impl Desk {
         let is_saved = *draft.text == *file.base && !file.has_changed;
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let suppressed = checked.document().suppressed();
-        let state = State {
-            file: &name,
-            syntax: self.syntax.name(),
-            version: draft.version,
-            revision: checked.revision(),
-            checked: checked.version(),
-            is_saved,
-            conflict: file.has_changed,
-            is_broken: checked.is_broken(),
-            diagnostics,
-            suppressed: suppressed.errors
-                + suppressed.warnings
-                + checked.document().diagnostics().len()
-                - diagnostics.len(),
-            scene: checked
-                .scene()
-                .map(|ready| SceneState::new(ready.revision, &ready.scene)),
-        };
-        // Numbers and strings always have a form in JSON.
-        if let Ok(state) = serde_json::to_string(&state) {
-            self.state.send_replace(state.into());
-        }
+        let found = checked.document().diagnostics().len();
+        let state = json!({
+            "file": name,
+            "syntax": self.syntax.name(),
+            "version": draft.version,
+            "revision": checked.revision(),
+            "checked": checked.version(),
+            "is_saved": is_saved,
+            "conflict": file.has_changed,
+            "is_broken": checked.is_broken(),
+            "diagnostics": diagnostics,
+            "suppressed": suppressed.errors + suppressed.warnings + found - diagnostics.len(),
+            "scene": checked.scene().map(scene_state),
+        });
+        self.state.send_replace(state.to_string().into());
     }
 
     /// Takes notice of files that have changed on the disk.

@@ -23,7 +23,7 @@ use super::{
     drawings::Drawings,
     places::{Place, Span},
     routes::{App, Refusal, apart, apart_until_dropped, refuse},
-    texts::{Answer, NewEdits, checked},
+    texts::{Answer, checked, new_edits},
 };
 use crate::cli::pixel::Explanation;
 
@@ -206,7 +206,7 @@ struct SeenGeometry {
 pub(super) async fn pixel(
     State(App { desk, .. }): State<App>,
     Query(asked): Query<Asked>,
-) -> Answer<Pixel> {
+) -> Result<Json<Pixel>, Refusal> {
     apart_until_dropped(move |cancel| {
         let (x, y) = (asked.x, asked.y);
         let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
@@ -286,27 +286,21 @@ struct MoveView {
     frame: u32,
 }
 
-pub(super) async fn shift(
-    State(App { desk, .. }): State<App>,
-    Json(asked): Json<Move>,
-) -> Answer<NewEdits> {
-    apart(move || {
-        let checked = checked(&desk, asked.version)?;
-        let view = View {
-            camera: asked.view.camera.filter(|name| !name.is_empty()),
-            frame: asked.view.frame,
-            motion: motion_of(asked.motion.as_deref().unwrap_or(&[0.0; 5]))?,
-            ..View::default()
-        };
-        let edits = match (asked.geometry, asked.by) {
-            (Some(geometry), Some(by)) => {
-                let geometry: Origin = geometry.parse()?;
-                checked.move_geometry(&view, &geometry, by)?
-            }
-            _ if asked.frame_all => checked.frame_all(&view)?,
-            _ => checked.move_camera(&view)?,
-        };
-        Ok(Json(NewEdits::new(checked.document(), &edits)))
-    })
-    .await
+pub(super) fn shift(desk: &Desk, asked: Move) -> Answer {
+    let checked = checked(desk, asked.version)?;
+    let view = View {
+        camera: asked.view.camera.filter(|name| !name.is_empty()),
+        frame: asked.view.frame,
+        motion: motion_of(asked.motion.as_deref().unwrap_or(&[0.0; 5]))?,
+        ..View::default()
+    };
+    let edits = match (asked.geometry, asked.by) {
+        (Some(geometry), Some(by)) => {
+            let geometry: Origin = geometry.parse()?;
+            checked.move_geometry(&view, &geometry, by)?
+        }
+        _ if asked.frame_all => checked.frame_all(&view)?,
+        _ => checked.move_camera(&view)?,
+    };
+    new_edits(checked.document(), &edits)
 }

@@ -7,8 +7,8 @@ use strahl::text::{Columns, Edit, Lines, Position};
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Place {
-    line: usize,
-    column: usize,
+    pub(super) line: usize,
+    pub(super) column: usize,
 }
 
 impl Place {

@@ -4,15 +4,16 @@ use std::{convert::Infallible, sync::Arc, time::Duration};
 
 use axum::{
     Json, Router,
-    extract::{DefaultBodyLimit, State},
+    extract::{DefaultBodyLimit, Query, State},
     http::{StatusCode, Uri},
     middleware,
     response::{
         IntoResponse, Response,
         sse::{Event, KeepAlive, Sse},
     },
-    routing::{get, post},
+    routing::{MethodFilter, MethodRouter, get, on, post},
 };
+use serde::de::DeserializeOwned;
 use serde_json::json;
 use strahl::parallel::Cancel;
 use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
@@ -54,17 +55,23 @@ impl App {
         Router::new()
             .route("/", get(page::page))
             .route("/events", get(events))
-            .route("/text", get(texts::text))
-            .route("/edits", post(texts::edit))
-            .route("/save", post(texts::save))
-            .route("/reload", post(texts::reload))
-            .route("/disk", get(texts::disk))
-            .route("/format", post(texts::format))
-            .route("/completions", get(texts::completions))
-            .route("/hover", get(texts::hover))
-            .route("/colors", get(texts::colors))
-            .route("/parts", get(parts::list).post(parts::change))
-            .route("/move", post(pictures::shift))
+            .route("/text", queried(MethodFilter::GET, texts::text))
+            .route("/edits", posted(texts::edit))
+            .route("/save", posted(texts::save))
+            .route("/reload", queried(MethodFilter::POST, texts::reload))
+            .route("/disk", queried(MethodFilter::GET, texts::disk))
+            .route("/format", posted(texts::format))
+            .route(
+                "/completions",
+                queried(MethodFilter::GET, texts::completions),
+            )
+            .route("/hover", queried(MethodFilter::GET, texts::hover))
+            .route("/colors", queried(MethodFilter::GET, texts::colors))
+            .route(
+                "/parts",
+                queried(MethodFilter::GET, parts::list).merge(posted(parts::change)),
+            )
+            .route("/move", posted(pictures::shift))
             .route("/picture", get(pictures::picture))
             .route("/magnified", get(pictures::magnified))
             .route("/pixel", get(pictures::pixel))
@@ -81,6 +88,29 @@ impl App {
 }
 
 /// Answers with the state, now and after each change. Who reads slowly gets only the last one.
+/// Returns a route whose answers depend on the query of a request.
+fn queried<Q, A>(
+    method: MethodFilter,
+    answer: fn(&Desk, Q) -> Result<A, Refusal>,
+) -> MethodRouter<App>
+where
+    Q: DeserializeOwned + Send + 'static,
+    A: IntoResponse + Send + 'static,
+{
+    on(method, move |State(App { desk, .. }), Query(asked)| {
+        apart(move || answer(&desk, asked))
+    })
+}
+
+/// Returns a route whose answers depend on the JSON in the body of a request.
+fn posted<Q, A>(answer: fn(&Desk, Q) -> Result<A, Refusal>) -> MethodRouter<App>
+where
+    Q: DeserializeOwned + Send + 'static,
+    A: IntoResponse + Send + 'static,
+{
+    post(move |State(App { desk, .. }), Json(asked)| apart(move || answer(&desk, asked)))
+}
+
 async fn events(
     State(App { desk, .. }): State<App>,
 ) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {

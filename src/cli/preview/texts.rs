@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use axum::{
     Json,
-    extract::{Query, State},
     http::StatusCode,
     response::{IntoResponse, Response},
 };
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use strahl::{
     Document,
@@ -23,19 +22,20 @@ use super::{
     },
     desk::Desk,
     places::{Place, PlacedEdit, Span, shown},
-    routes::{App, Refusal, apart, refuse},
+    routes::{Refusal, refuse},
 };
 
 /// An answer in JSON.
-pub(super) type Answer<T = Value> = Result<Json<T>, Refusal>;
+pub(super) type Answer = Result<Json<Value>, Refusal>;
 
-pub(super) async fn text(State(App { desk, .. }): State<App>) -> Answer {
-    apart(move || {
-        let draft = desk.session().draft();
-        let text = shown(&draft.text);
-        Ok(Json(json!({"version": draft.version, "text": text})))
-    })
-    .await
+/// A request for which its address says all.
+#[derive(Deserialize)]
+pub(super) struct Nothing {}
+
+pub(super) fn text(desk: &Desk, _: Nothing) -> Answer {
+    let draft = desk.session().draft();
+    let text = shown(&draft.text);
+    Ok(Json(json!({"version": draft.version, "text": text})))
 }
 
 #[derive(Deserialize)]
@@ -44,18 +44,15 @@ pub(super) struct Edits {
     edits: Vec<PlacedEdit>,
 }
 
-pub(super) async fn edit(State(App { desk, .. }): State<App>, Json(asked): Json<Edits>) -> Answer {
-    apart(move || {
-        let text = desk.session().draft().text;
-        let lines = Lines::new(&text);
-        let edits = asked.edits.iter().map(|edit| edit.in_text(&lines, &text));
-        let edits: Vec<_> = edits.collect();
-        let version = desk.session().edit(asked.version, &edits);
-        let version = version.ok_or_else(refuse::outdated)?;
-        desk.publish();
-        Ok(Json(json!({"version": version})))
-    })
-    .await
+pub(super) fn edit(desk: &Desk, asked: Edits) -> Answer {
+    let text = desk.session().draft().text;
+    let lines = Lines::new(&text);
+    let edits = asked.edits.iter().map(|edit| edit.in_text(&lines, &text));
+    let edits: Vec<_> = edits.collect();
+    let version = desk.session().edit(asked.version, &edits);
+    let version = version.ok_or_else(refuse::outdated)?;
+    desk.publish();
+    Ok(Json(json!({"version": version})))
 }
 
 #[derive(Deserialize)]
@@ -65,40 +62,31 @@ pub(super) struct Save {
     overwrite: bool,
 }
 
-pub(super) async fn save(State(App { desk, .. }): State<App>, Json(asked): Json<Save>) -> Answer {
-    apart(move || {
-        desk.save(asked.version, asked.overwrite)?;
-        Ok(Json(json!({})))
-    })
-    .await
+pub(super) fn save(desk: &Desk, asked: Save) -> Answer {
+    desk.save(asked.version, asked.overwrite)?;
+    Ok(Json(json!({})))
 }
 
-pub(super) async fn reload(State(App { desk, .. }): State<App>) -> Answer {
-    apart(move || {
-        desk.reload()?;
-        Ok(Json(json!({})))
-    })
-    .await
+pub(super) fn reload(desk: &Desk, _: Nothing) -> Answer {
+    desk.reload()?;
+    Ok(Json(json!({})))
 }
 
 /// Returns the lines of the draft and of the file, each with where it is.
-pub(super) async fn disk(State(App { desk, .. }): State<App>) -> Answer {
-    apart(move || {
-        let text = desk.on_disk();
-        let text = text.map_err(|error| refuse::missing(error.to_string()))?;
-        let (mine, disk) = (shown(&desk.session().draft().text), shown(&text));
-        let diff = LineDiff::new(&mine, &disk);
-        let lines = diff.lines().map(|(side, text)| {
-            let of = match side {
-                Side::Both => "both",
-                Side::Old => "mine",
-                Side::New => "disk",
-            };
-            json!({"of": of, "text": text})
-        });
-        Ok(Json(json!({"lines": lines.collect::<Vec<_>>()})))
-    })
-    .await
+pub(super) fn disk(desk: &Desk, _: Nothing) -> Answer {
+    let text = desk.on_disk();
+    let text = text.map_err(|error| refuse::missing(error.to_string()))?;
+    let (mine, disk) = (shown(&desk.session().draft().text), shown(&text));
+    let diff = LineDiff::new(&mine, &disk);
+    let lines = diff.lines().map(|(side, text)| {
+        let of = match side {
+            Side::Both => "both",
+            Side::Old => "mine",
+            Side::New => "disk",
+        };
+        json!({"of": of, "text": text})
+    });
+    Ok(Json(json!({"lines": lines.collect::<Vec<_>>()})))
 }
 
 /// Returns the last result, if it is of this version.
@@ -113,35 +101,21 @@ pub(super) struct Version {
     pub(super) version: u64,
 }
 
-#[derive(Serialize)]
-pub(super) struct NewEdits {
-    edits: Vec<PlacedEdit>,
+/// Answers with edits of a document.
+pub(super) fn new_edits(document: &Document, edits: &[Edit]) -> Answer {
+    let lines = document.lines();
+    let edits = edits.iter().map(|edit| PlacedEdit::new(&lines, edit));
+    Ok(Json(json!({"edits": edits.collect::<Vec<_>>()})))
 }
 
-impl NewEdits {
-    pub(super) fn new(document: &Document, edits: &[Edit]) -> Self {
-        let lines = document.lines();
-        let edits = edits.iter().map(|edit| PlacedEdit::new(&lines, edit));
-        Self {
-            edits: edits.collect(),
-        }
-    }
-}
-
-pub(super) async fn format(
-    State(App { desk, .. }): State<App>,
-    Json(asked): Json<Version>,
-) -> Answer<NewEdits> {
-    apart(move || {
-        let checked = checked(&desk, asked.version)?;
-        let document = checked.document();
-        let formatted = document.format();
-        let formatted = formatted
-            .ok_or_else(|| refuse::impossible("a text with syntax errors cannot be formatted"))?;
-        let edits = changed_lines(document.text(), &formatted);
-        Ok(Json(NewEdits::new(document, &edits)))
-    })
-    .await
+pub(super) fn format(desk: &Desk, asked: Version) -> Answer {
+    let checked = checked(desk, asked.version)?;
+    let document = checked.document();
+    let formatted = document.format();
+    let formatted = formatted
+        .ok_or_else(|| refuse::impossible("a text with syntax errors cannot be formatted"))?;
+    let edits = changed_lines(document.text(), &formatted);
+    new_edits(document, &edits)
 }
 
 #[derive(Deserialize)]
@@ -158,52 +132,40 @@ impl At {
     }
 }
 
-pub(super) async fn completions(
-    State(App { desk, .. }): State<App>,
-    Query(asked): Query<At>,
-) -> Answer {
-    apart(move || {
-        let checked = checked(&desk, asked.version)?;
-        let document = checked.document();
-        let found = document.completions(asked.offset(document));
-        let span = Span::new(&document.lines(), &found.range);
-        let items = found.items.iter().map(|item| {
-            json!({
-                "label": item.label,
-                "insert": item.insert,
-                "kind": item.kind.name(),
-                "detail": item.detail,
-                "docs": item.docs,
-            })
-        });
-        let items: Vec<_> = items.collect();
-        Ok(Json(
-            json!({"from": span.from, "to": span.to, "items": items}),
-        ))
-    })
-    .await
+pub(super) fn completions(desk: &Desk, asked: At) -> Answer {
+    let checked = checked(desk, asked.version)?;
+    let document = checked.document();
+    let found = document.completions(asked.offset(document));
+    let span = Span::new(&document.lines(), &found.range);
+    let items = found.items.iter().map(|item| {
+        json!({
+            "label": item.label,
+            "insert": item.insert,
+            "kind": item.kind.name(),
+            "detail": item.detail,
+            "docs": item.docs,
+        })
+    });
+    let items: Vec<_> = items.collect();
+    Ok(Json(
+        json!({"from": span.from, "to": span.to, "items": items}),
+    ))
 }
 
-pub(super) async fn hover(
-    State(App { desk, .. }): State<App>,
-    Query(asked): Query<At>,
-) -> Result<Response, Refusal> {
-    apart(move || {
-        let checked = checked(&desk, asked.version)?;
-        let document = checked.document();
-        let Some(found) = document.hover(asked.offset(document)) else {
-            return Ok(StatusCode::NO_CONTENT.into_response());
-        };
-        let span = Span::new(&document.lines(), &found.range);
-        let answer = json!({
-            "from": span.from,
-            "to": span.to,
-            "title": found.title,
-            "docs": found.docs,
-        });
-        Ok(Json(answer).into_response())
-    })
-    .await
+pub(super) fn hover(desk: &Desk, asked: At) -> Result<Response, Refusal> {
+    let checked = checked(desk, asked.version)?;
+    let document = checked.document();
+    let Some(found) = document.hover(asked.offset(document)) else {
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    };
+    let span = Span::new(&document.lines(), &found.range);
+    let answer = json!({
+        "from": span.from,
+        "to": span.to,
+        "title": found.title,
+        "docs": found.docs,
+    });
+    Ok(Json(answer).into_response())
 }
 
 /// Lines of a version of the text.
@@ -214,27 +176,21 @@ pub(super) struct VersionLines {
     last: usize,
 }
 
-pub(super) async fn colors(
-    State(App { desk, .. }): State<App>,
-    Query(asked): Query<VersionLines>,
-) -> Answer<Vec<Value>> {
-    apart(move || {
-        let checked = checked(&desk, asked.version)?;
-        let document = checked.document();
-        let lines = document.lines();
-        let start = |line| Place::at(line, 1).offset(&lines);
-        let (first, last) = (start(asked.first), start(asked.last.saturating_add(1)));
-        let colors = document.colors(first..last).into_iter().map(|place| {
-            let span = Span::new(&lines, &place.range);
-            let [r, g, b] = place.color.to_rgb8();
-            json!({
-                "from": span.from,
-                "to": span.to,
-                "color": format!("#{r:02x}{g:02x}{b:02x}"),
-                "is_string": place.is_string,
-            })
-        });
-        Ok(Json(colors.collect()))
-    })
-    .await
+pub(super) fn colors(desk: &Desk, asked: VersionLines) -> Answer {
+    let checked = checked(desk, asked.version)?;
+    let document = checked.document();
+    let lines = document.lines();
+    let start = |line| Place::at(line, 1).offset(&lines);
+    let (first, last) = (start(asked.first), start(asked.last.saturating_add(1)));
+    let colors = document.colors(first..last).into_iter().map(|place| {
+        let span = Span::new(&lines, &place.range);
+        let [r, g, b] = place.color.to_rgb8();
+        json!({
+            "from": span.from,
+            "to": span.to,
+            "color": format!("#{r:02x}{g:02x}{b:02x}"),
+            "is_string": place.is_string,
+        })
+    });
+    Ok(Json(Value::Array(colors.collect())))
 }
