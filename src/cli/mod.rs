@@ -39,6 +39,7 @@ mod schema;
 mod set;
 mod status;
 mod suggest;
+mod threads;
 mod timings;
 mod validate;
 mod watch;

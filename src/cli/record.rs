@@ -10,7 +10,7 @@ use std::{
     fs::{self, File, OpenOptions},
     io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write},
     path::{Component, Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::Mutex,
 };
 
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ use strahl::{
     text::{Stamp, Stamped},
 };
 
-use super::paths::folder_of;
+use super::{paths::folder_of, threads::lock};
 
 /// The folder of the records, in that of the pictures.
 pub(super) const FOLDER: &str = ".strahl";
@@ -298,7 +298,7 @@ impl Recorder {
     pub(super) fn write(&self, line: &Line) -> Result<(), Error> {
         let text = serde_json::to_string(&Stamped::new(Stamp::Record, line));
         let written = text.map_err(io::Error::from).and_then(|text| {
-            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut file = lock(&self.file);
             file.write_all((text + "\n").as_bytes())
         });
         written.map_err(|error| Error::writing_failed(folder_of(&self.path), error))

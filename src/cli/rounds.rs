@@ -14,7 +14,7 @@ use strahl::{
     text::sanitize,
 };
 
-use super::{Failure, interrupt, watcher::Watcher};
+use super::{Failure, interrupt, threads::lock, watcher::Watcher};
 
 /// The time without a change after which a round begins. A burst of saves is one change, and a file
 /// that is being written is not read while it is still empty.
@@ -54,12 +54,8 @@ struct State {
 }
 
 impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
-        lock(&self.state)
-    }
-
     fn on_change(&self, files: &[PathBuf]) {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         state.is_due = true;
         state.changed.extend(files.iter().cloned());
         state.cancel.cancel();
@@ -69,7 +65,7 @@ impl Shared {
 
     /// Removes unfinished files, and begins no more of them.
     fn close(&self) {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         state.is_closed = true;
         state.cancel.cancel();
     }
@@ -201,8 +197,4 @@ pub(super) fn print_line(line: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -6,7 +6,7 @@ use std::{
     env, fmt,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::Mutex,
 };
 
 use clap::builder::TypedValueParser;
@@ -26,6 +26,7 @@ use super::{
     fit::FitArgs,
     paths::{folder_of, is_dash},
     set::{self, SetArgs},
+    threads::lock,
     words::one_of,
 };
 
@@ -270,11 +271,7 @@ static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
 /// Makes all faults of options new again, for another round of the same work.
 pub(super) fn forget_printed() {
-    printed().clear();
-}
-
-fn printed() -> MutexGuard<'static, BTreeSet<String>> {
-    PRINTED.lock().unwrap_or_else(PoisonError::into_inner)
+    lock(&PRINTED).clear();
 }
 
 /// Returns true if a report should be printed. A fault of an option is printed once per scene, or
@@ -292,7 +289,7 @@ pub(super) fn is_new(report: &FileReport<'_>) -> bool {
     let key = faults.fold(format!("{scene}\n{option}"), |key, fault| {
         key + "\n" + fault
     });
-    printed().insert(key)
+    lock(&PRINTED).insert(key)
 }
 
 /// Prints at most `MOST` diagnostics of a text on standard error.

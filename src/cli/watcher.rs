@@ -8,10 +8,9 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex,
         mpsc::{self, Receiver, Sender},
     },
-    thread,
     time::{Duration, Instant},
 };
 
@@ -20,7 +19,13 @@ use notify::{
     event::{AccessKind, AccessMode, ModifyKind},
 };
 
-use super::Failure;
+use super::{
+    Failure,
+    threads::{lock, spawn},
+};
+
+/// The fault of a watcher that the system refuses.
+const LOST: &str = "files cannot be watched";
 
 /// The time without an event after which a save is over.
 const QUIET: Duration = Duration::from_millis(10);
@@ -142,10 +147,7 @@ impl Watcher {
         // A link in a folder may lead to the whole disk.
         let config = Config::default().with_follow_symlinks(false);
         let inner = RecommendedWatcher::new(on_event, config).map_err(|error| refused(&error))?;
-        let started = thread::Builder::new()
-            .name("watch".to_owned())
-            .spawn(move || collect(&changes, on_change));
-        started.map_err(|error| Failure::usage(format!("files cannot be watched: {error}")))?;
+        spawn("watch", LOST, move || collect(&changes, on_change))?;
         Ok(Self { inner, wanted })
     }
 
@@ -221,10 +223,6 @@ impl Watcher {
     }
 }
 
-fn lock(wanted: &Mutex<Wanted>) -> MutexGuard<'_, Wanted> {
-    wanted.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 fn refused(error: &notify::Error) -> Failure {
     let cure = match error.kind {
         notify::ErrorKind::MaxFilesWatch => {
@@ -233,7 +231,7 @@ fn refused(error: &notify::Error) -> Failure {
         }
         _ => "",
     };
-    Failure::usage(format!("files cannot be watched: {error}{cure}"))
+    Failure::usage(format!("{LOST}: {error}{cure}"))
 }
 
 /// Passes on the wanted files of an event.

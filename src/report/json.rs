@@ -68,29 +68,21 @@ impl<W: Write> Report for Json<W> {
     }
 }
 
-pub(super) struct Jsonl<W> {
-    out: W,
-}
-
-impl<W: Write> Jsonl<W> {
-    pub(super) const fn new(out: W) -> Self {
-        Self { out }
-    }
-}
+pub(super) struct Jsonl<W>(pub(super) W);
 
 impl<W: Write> Report for Jsonl<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
             let entry = Entry::new(report, &lines, diagnostic);
-            write_value(&mut self.out, &Stamped::new(Stamp::Diagnostic, entry))?;
-            self.out.write_all(b"\n")?;
+            write_value(&mut self.0, &Stamped::new(Stamp::Diagnostic, entry))?;
+            self.0.write_all(b"\n")?;
         }
         Ok(())
     }
 
     fn finish(mut self: Box<Self>, _summary: &Summary) -> io::Result<()> {
-        self.out.flush()
+        self.0.flush()
     }
 }
 

@@ -178,9 +178,9 @@ pub fn reporter<'w>(
 ) -> Box<dyn Report + 'w> {
     let for_tools: Box<dyn Report + 'w> = match format {
         OutputFormat::Human => return Box::new(InFiles(Box::new(human::Human::new(out, style)))),
-        OutputFormat::Short => Box::new(short::Short::new(out)),
+        OutputFormat::Short => Box::new(short::Short(out)),
         OutputFormat::Json => Box::new(json::Json::new(out)),
-        OutputFormat::Jsonl => Box::new(json::Jsonl::new(out)),
+        OutputFormat::Jsonl => Box::new(json::Jsonl(out)),
         OutputFormat::Sarif => Box::new(sarif::Sarif::new(out, describe)),
         OutputFormat::Github => Box::new(github::Github::new(out)),
         OutputFormat::Junit => Box::new(junit::Junit::new(out)),

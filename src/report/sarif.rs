@@ -29,15 +29,12 @@ pub(super) struct Sarif<W> {
 }
 
 impl<W: Write> Sarif<W> {
-    pub(super) const fn new(out: W, describe: Describe) -> Self {
+    pub(super) fn new(out: W, describe: Describe) -> Self {
         Self {
             out,
             describe,
             results: List::new("        "),
-            not_listed: Suppressed {
-                errors: 0,
-                warnings: 0,
-            },
+            not_listed: Suppressed::default(),
         }
     }
 

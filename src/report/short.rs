@@ -8,15 +8,7 @@ use crate::{
     text::{lines::Place, sanitize::sanitize},
 };
 
-pub(super) struct Short<W> {
-    out: W,
-}
-
-impl<W: Write> Short<W> {
-    pub(super) const fn new(out: W) -> Self {
-        Self { out }
-    }
-}
+pub(super) struct Short<W>(pub(super) W);
 
 impl<W: Write> Report for Short<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
@@ -25,18 +17,18 @@ impl<W: Write> Report for Short<W> {
             let place = Place::new(&lines, &diagnostic.range);
             let line = line(report.file, place, diagnostic);
             match report.used_by {
-                Some(used_by) => writeln!(self.out, "{line} ({used_by})")?,
-                None => writeln!(self.out, "{line}")?,
+                Some(used_by) => writeln!(self.0, "{line} ({used_by})")?,
+                None => writeln!(self.0, "{line}")?,
             }
         }
         if !report.suppressed.is_empty() {
             // Written without line and column, so that no tool takes it for a diagnostic.
-            writeln!(self.out, "{}: {}", sanitize(report.file), report.suppressed)?;
+            writeln!(self.0, "{}: {}", sanitize(report.file), report.suppressed)?;
         }
         Ok(())
     }
 
     fn finish(mut self: Box<Self>, _summary: &Summary) -> io::Result<()> {
-        self.out.flush()
+        self.0.flush()
     }
 }

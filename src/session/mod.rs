@@ -243,17 +243,8 @@ impl Session {
         options: ReadOptions,
         on_checked: impl FnMut(Arc<Checked>) + Send + 'static,
     ) -> Result<Self, Error> {
-        let draft = Draft {
-            version: 1,
-            text: text.into(),
-        };
-        Self::start(
-            name.into(),
-            draft,
-            options,
-            (Turns::default(), true),
-            on_checked,
-        )
+        let turns = (Turns::default(), true);
+        Self::start(name.into(), text.into(), options, turns, on_checked)
     }
 
     /// Starts to check a text for its diagnostics only, so that [`Checked::scene`] is always
@@ -291,22 +282,13 @@ impl Session {
         turns: &Turns,
         on_checked: impl FnMut(Arc<Checked>) + Send + 'static,
     ) -> Result<Self, Error> {
-        let draft = Draft {
-            version: 1,
-            text: text.into(),
-        };
-        Self::start(
-            name.into(),
-            draft,
-            options,
-            (turns.clone(), false),
-            on_checked,
-        )
+        let turns = (turns.clone(), false);
+        Self::start(name.into(), text.into(), options, turns, on_checked)
     }
 
     fn start(
         name: String,
-        draft: Draft,
+        text: Arc<str>,
         options: ReadOptions,
         (turns, keeps_scene): (Turns, bool),
         on_checked: impl FnMut(Arc<Checked>) + Send + 'static,
@@ -319,7 +301,7 @@ impl Session {
             turns,
             keeps_scene,
             state: Mutex::new(State {
-                draft,
+                draft: Draft { version: 1, text },
                 is_due: false,
                 is_closed: false,
                 cancel: Cancel::new(),

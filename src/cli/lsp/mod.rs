@@ -27,7 +27,6 @@ mod workspace;
 use std::{
     io::{self, IsTerminal, Write},
     sync::mpsc,
-    thread,
 };
 
 use self::{
@@ -35,7 +34,7 @@ use self::{
     server::{Event, Server},
     settings::Settings,
 };
-use super::{Failure, config::ConfigArgs, scene};
+use super::{Failure, config::ConfigArgs, scene, threads::spawn};
 
 /// Serve an editor: diagnostics, completion and more, by the Language Server Protocol
 #[derive(clap::Args)]
@@ -60,8 +59,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let (sender, events) = mpsc::channel();
     let outbox = Outbox::new(io::stdout())?;
     let input = sender.clone();
-    let reader = thread::Builder::new().name("read".to_owned());
-    let started = reader.spawn(move || {
+    spawn("read", outbox::NO_THREADS, move || {
         let mut stdin = io::stdin().lock();
         while let Ok(Some(incoming)) = wire::read(&mut stdin) {
             if input.send(Event::Incoming(incoming)).is_err() {
@@ -69,8 +67,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             }
         }
         let _ = input.send(Event::End);
-    });
-    started.map_err(|error| Failure::usage(format!("the server cannot run: {error}")))?;
+    })?;
     let settings = Settings::new(args.tables, args.config);
     let mut server = Server::new(outbox.clone(), sender, settings)?;
     let is_orderly = server.run(&events);

@@ -3,39 +3,37 @@
 use std::{
     io, mem,
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex},
 };
 
 use strahl::scene::{Content, Files, Memory};
+
+use crate::cli::threads::lock;
 
 /// The open files: tables, and scenes that may be parts of others. Clones share them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OpenFiles(Arc<Mutex<Memory>>);
 
 impl OpenFiles {
-    fn lock(&self) -> MutexGuard<'_, Memory> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     pub(super) fn open(&self, path: &Path, text: &str) {
-        let mut files = self.lock();
+        let mut files = lock(&self.0);
         *files = mem::take(&mut *files).with(path, text.as_bytes());
     }
 
     pub(super) fn close(&self, path: &Path) {
-        let mut files = self.lock();
+        let mut files = lock(&self.0);
         *files = mem::take(&mut *files).without(path);
     }
 
     /// Returns a file, or those in a folder, as they are now. The lock is not held while the disk is
     /// read.
     fn within(&self, path: &Path) -> Memory {
-        self.lock().within(path)
+        lock(&self.0).within(path)
     }
 
     /// Returns the files as they are now.
     pub(super) fn now(&self) -> Memory {
-        self.lock().clone()
+        lock(&self.0).clone()
     }
 }
 

@@ -7,7 +7,6 @@ use std::{
         atomic::{AtomicI32, Ordering},
         mpsc::{self, Sender},
     },
-    thread,
     time::Duration,
 };
 
@@ -15,7 +14,13 @@ use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{super::Failure, wire};
+use super::{
+    super::{Failure, threads::spawn},
+    wire,
+};
+
+/// The fault of a server whose threads the system refuses.
+pub(super) const NO_THREADS: &str = "the server cannot run";
 
 /// The longest time that the last messages may take.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -37,8 +42,7 @@ enum Frame {
 impl Outbox {
     pub(super) fn new(mut output: impl Write + Send + 'static) -> Result<Self, Failure> {
         let (frames, queue) = mpsc::channel();
-        let writer = thread::Builder::new().name("write".to_owned());
-        let started = writer.spawn(move || {
+        spawn("write", NO_THREADS, move || {
             for frame in queue {
                 match frame {
                     // A client that is gone is noticed by the reader.
@@ -48,8 +52,7 @@ impl Outbox {
                     Frame::End(done) => drop(done.send(())),
                 }
             }
-        });
-        started.map_err(|error| Failure::usage(format!("the server cannot run: {error}")))?;
+        })?;
         Ok(Self {
             frames,
             next: Arc::default(),

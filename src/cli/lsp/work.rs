@@ -4,10 +4,9 @@ use std::{
     collections::HashMap,
     panic::{self, AssertUnwindSafe},
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex,
         mpsc::{self, Sender},
     },
-    thread,
 };
 
 use lsp_server::{ErrorCode, RequestId, ResponseError};
@@ -15,8 +14,11 @@ use serde_json::Value;
 use strahl::parallel::Cancel;
 
 use super::{
-    super::Failure,
-    outbox::{Outbox, refused},
+    super::{
+        Failure,
+        threads::{lock, spawn},
+    },
+    outbox::{NO_THREADS, Outbox, refused},
 };
 
 /// The answer to a request.
@@ -44,10 +46,6 @@ pub(super) struct Work {
 }
 
 type Pending = HashMap<RequestId, Cancel>;
-
-fn lock(pending: &Mutex<Pending>) -> MutexGuard<'_, Pending> {
-    pending.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 impl Work {
     pub(super) fn new(outbox: Outbox) -> Result<Self, Failure> {
@@ -107,8 +105,7 @@ impl Work {
 fn start(outbox: &Outbox, pending: &Arc<Mutex<Pending>>) -> Result<Sender<Job>, Failure> {
     let (sender, jobs) = mpsc::channel::<Job>();
     let (outbox, pending) = (outbox.clone(), Arc::clone(pending));
-    let worker = thread::Builder::new().name("answer".to_owned());
-    let started = worker.spawn(move || {
+    spawn("answer", NO_THREADS, move || {
         for (id, cancel, answer) in jobs {
             if cancel.is_cancelled() {
                 continue;
@@ -126,7 +123,6 @@ fn start(outbox: &Outbox, pending: &Arc<Mutex<Pending>>) -> Result<Sender<Job>, 
                 outbox.respond(id, answer);
             }
         }
-    });
-    started.map_err(|error| Failure::usage(format!("the server cannot run: {error}")))?;
+    })?;
     Ok(sender)
 }

@@ -4,7 +4,7 @@ use std::{
     collections::{HashMap, HashSet},
     fs, iter, mem,
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex},
     time::SystemTime,
 };
 
@@ -19,7 +19,7 @@ use strahl::{
 };
 
 use super::{
-    super::Failure,
+    super::{Failure, threads::lock},
     client::Client,
     diagnostics,
     document::Snapshot,
@@ -217,27 +217,22 @@ impl Run {
     }
 
     fn has_changed(&self, path: &Path) -> bool {
-        let known = self.known_files();
+        let known = lock(&self.workspace.0);
         let is_same = |old: &Stamp| !self.open.contains_key(&old.0) && stamp(&old.0) == *old;
         let known = known.get(path);
         self.open.contains_key(path) || !known.is_some_and(|entry| entry.stamps.iter().all(is_same))
     }
 
-    fn known_files(&self) -> MutexGuard<'_, Known> {
-        let known = self.workspace.0.lock();
-        known.unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Returns true if a file lacks a camera.
     fn may_be_part(&self, path: &Path) -> bool {
-        let known = self.known_files();
+        let known = lock(&self.workspace.0);
         let items = known.get(path).and_then(|entry| entry.items.as_ref());
         items.is_some_and(|items| items.of_part.is_some())
     }
 
     /// Returns the files that others depend on.
     fn named(&self) -> HashSet<PathBuf> {
-        let known = self.known_files();
+        let known = lock(&self.workspace.0);
         let stamps = known.values().flat_map(|entry| entry.stamps.iter().skip(1));
         stamps.map(|(path, _)| path.clone()).collect()
     }
@@ -276,13 +271,13 @@ impl Run {
     fn keep(&self, path: &Path, files: impl Iterator<Item = PathBuf>, items: Option<Items>) {
         let files = files.map(|file| stamp(&file));
         let stamps = iter::once(stamp(path)).chain(files).collect();
-        let mut known = self.known_files();
+        let mut known = lock(&self.workspace.0);
         known.insert(path.to_owned(), Entry { stamps, items });
     }
 
     /// Returns the report of a file; `None` if it is not a scene.
     fn report_of(&self, path: &Path, is_part: bool) -> Option<Value> {
-        let known = self.known_files();
+        let known = lock(&self.workspace.0);
         let Items { of_scene, of_part } = known.get(path)?.items.as_ref()?;
         let of_part = of_part.as_ref().filter(|_| is_part);
         let items = of_part.unwrap_or(of_scene).clone();

@@ -3,7 +3,7 @@
 use std::{
     io,
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex},
 };
 
 use serde_json::{Value, json};
@@ -20,6 +20,7 @@ use super::{
     findings,
     routes::{Refusal, refuse},
 };
+use crate::cli::threads::lock;
 
 /// The maximum number of bytes in the text: a browser could not show it.
 pub(super) const LONGEST: u64 = 256 << 20;
@@ -111,7 +112,7 @@ impl Desk {
     /// Takes over the result of a check.
     pub(super) fn show(&self, checked: Arc<Checked>) {
         let diagnostics = findings::all(checked.document());
-        *self.latest() = Some(Latest {
+        *lock(&self.latest) = Some(Latest {
             checked,
             diagnostics,
         });
@@ -120,8 +121,8 @@ impl Desk {
 
     /// Publishes the state after a change of the draft, the file or the findings.
     pub(super) fn publish(&self) {
-        let file = self.file();
-        let latest = self.latest();
+        let file = lock(&self.file);
+        let latest = lock(&self.latest);
         let Some(Latest {
             checked,
             diagnostics,
@@ -163,9 +164,9 @@ impl Desk {
     /// Takes over the text on the disk, unless the draft has unsaved edits. Returns true if it is a
     /// new one.
     fn read_again(&self) -> bool {
-        let _turn = self.turn();
+        let _turn = lock(&self.turn);
         let found = self.on_disk();
-        let mut file = self.file();
+        let mut file = lock(&self.file);
         let draft = self.session.draft();
         match found {
             Ok(text) if text == *file.base || text == *draft.text => {
@@ -196,19 +197,19 @@ impl Desk {
 
     /// Drops the draft, and takes over the text of the file.
     pub(super) fn reload(&self) -> Result<(), Refusal> {
-        let _turn = self.turn();
+        let _turn = lock(&self.turn);
         let text = self.on_disk().map_err(|error| {
             let message = format!("{} cannot be read: {error}", self.path.display());
             refuse::conflict(message)
         })?;
-        self.take_over(&mut self.file(), text);
+        self.take_over(&mut lock(&self.file), text);
         self.publish();
         Ok(())
     }
 
     /// Writes the draft into the file. If another text is there, it survives unless `overwrite`.
     pub(super) fn save(&self, version: u64, overwrite: bool) -> Result<(), Refusal> {
-        let _turn = self.turn();
+        let _turn = lock(&self.turn);
         let Draft {
             version: current,
             text,
@@ -216,7 +217,7 @@ impl Desk {
         if version != current {
             return Err(refuse::outdated());
         }
-        let base = Arc::clone(&self.file().base);
+        let base = Arc::clone(&lock(&self.file).base);
         let written = match overwrite {
             true => self.overwrite(&text),
             false => replace_file(&self.path, base.as_bytes(), text.as_bytes(), &self.cancel),
@@ -225,12 +226,12 @@ impl Desk {
             if overwrite || self.on_disk().is_ok_and(|disk| disk == *base) {
                 return Err(refuse::unwritable(error.to_string()));
             }
-            self.file().has_changed = true;
+            lock(&self.file).has_changed = true;
             self.publish();
             let message = format!("{} has changed on the disk", self.path.display());
             return Err(refuse::conflict(message));
         }
-        let mut file = self.file();
+        let mut file = lock(&self.file);
         file.base = text;
         file.has_changed = false;
         drop(file);
@@ -247,17 +248,5 @@ impl Desk {
             }
             Err(error) => Err(Error::writing_failed(&self.path, error)),
         }
-    }
-
-    fn turn(&self) -> MutexGuard<'_, ()> {
-        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn file(&self) -> MutexGuard<'_, FileState> {
-        self.file.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn latest(&self) -> MutexGuard<'_, Option<Latest>> {
-        self.latest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -3,7 +3,7 @@
 
 use std::{
     collections::VecDeque,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex},
 };
 
 use axum::body::Bytes;
@@ -11,6 +11,7 @@ use strahl::parallel::Cancel;
 use tokio::{sync::watch, task};
 
 use super::routes::{Refusal, refuse};
+use crate::cli::threads::lock;
 
 /// The number of pictures that are kept.
 const KEPT: usize = 8;
@@ -39,10 +40,6 @@ impl Entry {
 }
 
 impl Drawings {
-    fn entries(&self) -> MutexGuard<'_, VecDeque<Entry>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Returns a picture: a known one with this key, or else what `draw` makes.
     pub(super) async fn get(
         self: &Arc<Self>,
@@ -60,7 +57,7 @@ impl Drawings {
         key: String,
         draw: impl FnOnce(&Cancel) -> Result<Vec<u8>, strahl::Error> + Send + 'static,
     ) -> (watch::Receiver<Option<Drawn>>, Waiter) {
-        let mut entries = self.entries();
+        let mut entries = lock(&self.0);
         let waiter = Waiter {
             drawings: Arc::clone(self),
             key: key.clone(),
@@ -87,7 +84,7 @@ impl Drawings {
 
     /// Ends the wait of a request. Drops failures, pictures without a reader, and old ones.
     fn leave(&self, key: &str) {
-        let mut entries = self.entries();
+        let mut entries = lock(&self.0);
         if let Some(entry) = entries.iter_mut().find(|entry| entry.key == key) {
             entry.waiting -= 1;
         }
@@ -152,7 +149,7 @@ mod tests {
                     assert_eq!(drawn.unwrap(), vec![key; 3]);
                 }
             }
-            assert_eq!(drawings.entries().len(), KEPT);
+            assert_eq!(lock(&drawings.0).len(), KEPT);
             let again = drawings.get("19".to_owned(), |_| panic!("drawn again"));
             assert_eq!(again.await.unwrap(), vec![19; 3]);
         });
@@ -174,10 +171,10 @@ mod tests {
                 let (_done, one) = drawings.join("a".to_owned(), draw);
                 let (_done, other) = drawings.join("a".to_owned(), |_| panic!("drawn again"));
                 drop(one);
-                assert_eq!(drawings.entries().len(), 1);
+                assert_eq!(lock(&drawings.0).len(), 1);
                 drop(other);
             }
-            assert!(drawings.entries().is_empty());
+            assert!(lock(&drawings.0).is_empty());
         });
         cancelled.recv().unwrap();
     }

@@ -20,7 +20,6 @@ use std::{
     net::{Ipv4Addr, SocketAddr, TcpListener},
     path::PathBuf,
     sync::{Arc, mpsc},
-    thread,
 };
 
 use strahl::{
@@ -37,8 +36,12 @@ use self::{
     routes::App,
 };
 use super::{
-    Failure, config::ConfigArgs, interrupt, paths::is_dash, scene, set::SetArgs, watcher::Watcher,
+    Failure, config::ConfigArgs, interrupt, paths::is_dash, scene, set::SetArgs, threads::spawn,
+    watcher::Watcher,
 };
+
+/// The fault of a page that the system refuses.
+const LOST: &str = "the page cannot be served";
 
 /// The first port that is tried.
 const PORT: u16 = 8017;
@@ -146,10 +149,7 @@ fn follow(
             }
         }
     };
-    let started = thread::Builder::new()
-        .name("follow".to_owned())
-        .spawn(follow);
-    started.map(drop).map_err(|error| unavailable(&error))
+    spawn("follow", LOST, follow)
 }
 
 /// Binds to a port of this machine that other machines cannot reach.
@@ -178,5 +178,5 @@ fn serve(listener: TcpListener, app: App) -> Result<(), Failure> {
 
 /// Returns the failure for a server that cannot run.
 fn unavailable(error: &impl Display) -> Failure {
-    Failure::usage(format!("the page cannot be served: {error}"))
+    Failure::usage(format!("{LOST}: {error}"))
 }

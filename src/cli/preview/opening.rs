@@ -5,10 +5,12 @@
 
 use std::{
     io::{self, Write},
-    sync::{Mutex, PoisonError},
+    sync::Mutex,
 };
 
 use tempfile::TempPath;
+
+use crate::cli::threads::lock;
 
 /// The private file, as long as nobody has opened the page.
 #[derive(Default)]
@@ -28,16 +30,12 @@ impl Opening {
         )?;
         let file = file.into_temp_path();
         let path = file.to_path_buf();
-        *self.file() = Some(file);
+        *lock(&self.0) = Some(file);
         open::that_detached(path)
     }
 
     /// Removes the file.
     pub(super) fn end(&self) {
-        self.file().take();
-    }
-
-    fn file(&self) -> std::sync::MutexGuard<'_, Option<TempPath>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0).take();
     }
 }

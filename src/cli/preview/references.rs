@@ -2,7 +2,7 @@
 
 use std::{
     collections::VecDeque,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex},
 };
 
 use axum::{
@@ -20,6 +20,7 @@ use super::{
     routes::{App, Refusal, apart, refuse},
     texts::Answer,
 };
+use crate::cli::threads::lock;
 
 /// The number of pictures that are kept.
 const KEPT: usize = 4;
@@ -59,7 +60,7 @@ impl References {
                 format!("the picture takes {mebibytes} MiB of memory, at most {most} are kept");
             return Err(refuse::impossible(message));
         }
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = lock(&self.0);
         known.count += 1;
         let id = known.count.to_string();
         known.pictures.push_back((id.clone(), picture.into()));
@@ -68,7 +69,7 @@ impl References {
     }
 
     fn get(&self, id: &str) -> Result<Arc<Picture>, Refusal> {
-        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock(&self.0);
         let found = known.pictures.iter().find(|(known, _)| known == id);
         found
             .map(|(_, picture)| Arc::clone(picture))

@@ -1,6 +1,6 @@
 //! The addresses of the page, and the form of errors.
 
-use std::{convert::Infallible, sync::Arc, time::Duration};
+use std::{convert::Infallible, pin::Pin, sync::Arc, time::Duration};
 
 use axum::{
     Json, Router,
@@ -11,9 +11,8 @@ use axum::{
         IntoResponse, Response,
         sse::{Event, KeepAlive, Sse},
     },
-    routing::{MethodFilter, MethodRouter, get, on, post},
+    routing::{get, post},
 };
-use serde::de::DeserializeOwned;
 use serde_json::json;
 use strahl::parallel::Cancel;
 use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
@@ -55,23 +54,18 @@ impl App {
         Router::new()
             .route("/", get(page::page))
             .route("/events", get(events))
-            .route("/text", queried(MethodFilter::GET, texts::text))
-            .route("/edits", posted(texts::edit))
-            .route("/save", posted(texts::save))
-            .route("/reload", queried(MethodFilter::POST, texts::reload))
-            .route("/disk", queried(MethodFilter::GET, texts::disk))
-            .route("/format", posted(texts::format))
-            .route(
-                "/completions",
-                queried(MethodFilter::GET, texts::completions),
-            )
-            .route("/hover", queried(MethodFilter::GET, texts::hover))
-            .route("/colors", queried(MethodFilter::GET, texts::colors))
-            .route(
-                "/parts",
-                queried(MethodFilter::GET, parts::list).merge(posted(parts::change)),
-            )
-            .route("/move", posted(pictures::shift))
+            .route("/text", get(queried(texts::text)))
+            .route("/edits", post(posted(texts::edit)))
+            .route("/save", post(posted(texts::save)))
+            .route("/reload", post(queried(texts::reload)))
+            .route("/disk", get(queried(texts::disk)))
+            .route("/format", post(posted(texts::format)))
+            .route("/completions", get(queried(texts::completions)))
+            .route("/hover", get(queried(texts::hover)))
+            .route("/colors", get(queried(texts::colors)))
+            .route("/parts", get(queried(parts::list)))
+            .route("/parts", post(posted(parts::change)))
+            .route("/move", post(posted(pictures::shift)))
             .route("/picture", get(pictures::picture))
             .route("/magnified", get(pictures::magnified))
             .route("/pixel", get(pictures::pixel))
@@ -88,27 +82,20 @@ impl App {
 }
 
 /// Answers with the state, now and after each change. Who reads slowly gets only the last one.
-/// Returns a route whose answers depend on the query of a request.
-fn queried<Q, A>(
-    method: MethodFilter,
+type Pending<A> = Pin<Box<dyn Future<Output = Result<A, Refusal>> + Send>>;
+
+/// Returns the handler of requests that are answered by their query.
+fn queried<Q: Send + 'static, A: Send + 'static>(
     answer: fn(&Desk, Q) -> Result<A, Refusal>,
-) -> MethodRouter<App>
-where
-    Q: DeserializeOwned + Send + 'static,
-    A: IntoResponse + Send + 'static,
-{
-    on(method, move |State(App { desk, .. }), Query(asked)| {
-        apart(move || answer(&desk, asked))
-    })
+) -> impl Fn(State<App>, Query<Q>) -> Pending<A> + Clone {
+    move |State(App { desk, .. }), Query(asked)| Box::pin(apart(move || answer(&desk, asked)))
 }
 
-/// Returns a route whose answers depend on the JSON in the body of a request.
-fn posted<Q, A>(answer: fn(&Desk, Q) -> Result<A, Refusal>) -> MethodRouter<App>
-where
-    Q: DeserializeOwned + Send + 'static,
-    A: IntoResponse + Send + 'static,
-{
-    post(move |State(App { desk, .. }), Json(asked)| apart(move || answer(&desk, asked)))
+/// Returns the handler of requests that are answered by the JSON of their body.
+fn posted<Q: Send + 'static, A: Send + 'static>(
+    answer: fn(&Desk, Q) -> Result<A, Refusal>,
+) -> impl Fn(State<App>, Json<Q>) -> Pending<A> + Clone {
+    move |State(App { desk, .. }), Json(asked)| Box::pin(apart(move || answer(&desk, asked)))
 }
 
 async fn events(

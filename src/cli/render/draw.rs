@@ -4,7 +4,7 @@ use std::{
     fs, io,
     path::{Path, PathBuf},
     sync::{
-        Arc, PoisonError,
+        Arc,
         atomic::{AtomicU64, Ordering},
     },
 };
@@ -25,6 +25,7 @@ use crate::cli::{
     paths::{is_dash, is_same},
     record::{Done, Line, Written},
     report,
+    threads::lock,
 };
 
 /// The total number of samples from which all threads draw a picture together.
@@ -241,7 +242,7 @@ impl Run<'_> {
     /// Notes if the colors of a row have other ranges than those of the first one.
     fn note_ranges(&self, item: &Item, scene: &Scene) {
         let found = shared::used_ranges(scene);
-        let mut ranges = self.ranges.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut ranges = lock(&self.ranges);
         let first = ranges.entry(item.scene).or_insert_with(|| found.clone());
         let differ = *first != found;
         self.ranges_differ.fetch_or(differ, Ordering::Relaxed);

@@ -3,7 +3,7 @@
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::Mutex,
 };
 
 use strahl::{
@@ -18,7 +18,7 @@ use super::{
     items::{Item, items},
     pattern::Pattern,
 };
-use crate::cli::{Failure, params::Params, paths};
+use crate::cli::{Failure, params::Params, paths, threads::lock};
 
 /// The pictures that a run makes.
 pub(super) struct List {
@@ -126,8 +126,7 @@ impl List {
 
     /// Returns the scene that has been read already, the first time this is called.
     pub(super) fn take_read(&self) -> Option<Document> {
-        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        read.take()
+        lock(&self.read).take()
     }
 
     /// Returns the patterns of the names of pictures and reports.

@@ -4,7 +4,7 @@ use std::{
     collections::{BTreeSet, HashMap},
     path::Path,
     sync::{
-        Mutex, PoisonError,
+        Mutex,
         atomic::{AtomicBool, AtomicU64},
     },
     time::Instant,
@@ -32,6 +32,7 @@ use crate::cli::{
     progress::Progress,
     record::{self, Failed, Line, Recorder, Records},
     report, scene,
+    threads::lock,
 };
 
 /// The maximum number of pictures being made or waiting to be reported: enough to keep all cores
@@ -238,14 +239,12 @@ impl Run<'_> {
     /// Calls a function with the faults of the table that have been printed.
     fn tell(&self, tell: impl FnOnce(&mut Told)) {
         if let Some(told) = &self.told {
-            tell(&mut told.lock().unwrap_or_else(PoisonError::into_inner));
+            tell(&mut lock(told));
         }
     }
     /// Returns true for a part that no scene before has named.
     fn is_new(&self, part: &PartFindings) -> bool {
-        let printed = self.printed_parts.lock();
-        let mut printed = printed.unwrap_or_else(PoisonError::into_inner);
-        printed.insert(part.name().to_owned())
+        lock(&self.printed_parts).insert(part.name().to_owned())
     }
 }
 

@@ -5,7 +5,7 @@ use std::{
     fs,
     path::PathBuf,
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex,
         atomic::{AtomicU64, Ordering},
     },
 };
@@ -17,6 +17,7 @@ use crate::cli::{
     Failure,
     params::{Columns, Params, TableFaults, Told},
     scene, set,
+    threads::lock,
 };
 
 /// The size from which a file is read by all threads together.
@@ -74,18 +75,14 @@ impl Source {
 
     /// Returns the scene, waiting for it if necessary.
     pub(super) fn get(&self, read: impl FnOnce() -> Base) -> Arc<Base> {
-        Arc::clone(self.lock().get_or_insert_with(|| Arc::new(read())))
+        Arc::clone(lock(&self.read).get_or_insert_with(|| Arc::new(read())))
     }
 
     /// Counts a picture as made. After the last one the scene is dropped.
     pub(super) fn done(&self) {
         if self.left.fetch_sub(1, Ordering::Relaxed) == 1 {
-            *self.lock() = None;
+            *lock(&self.read) = None;
         }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Option<Arc<Base>>> {
-        self.read.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -1,13 +1,11 @@
 //! Animated PNG: the frames of a movie, repeated forever by a browser.
 
-use std::io::{self, Write};
+use std::io::Write;
 
-use png::{
-    BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, SrgbRenderingIntent,
-};
+use png::{BitDepth, ColorType, DeflateCompression, Encoder, Filter, SrgbRenderingIntent};
 
 use super::{FrameSink, Reel, fraction::fraction};
-use crate::{diagnostic::error::Error, film::Image};
+use crate::{diagnostic::error::Error, film::Image, image_file::png::error};
 
 pub(super) fn write<E: From<Error>>(
     writer: impl Write,
@@ -29,47 +27,4 @@ pub(super) fn write<E: From<Error>>(
     let mut writer = encoder.write_header().map_err(error)?;
     draw(&mut |image: &Image| writer.write_image_data(image.pixels()).map_err(error))?;
     Ok(writer.finish().map_err(error)?)
-}
-
-fn error(error: EncodingError) -> Error {
-    Error::writing(match error {
-        EncodingError::IoError(error) => error,
-        other => io::Error::other(other),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::io::Cursor;
-
-    use super::*;
-    use crate::{film::size::Size, image_file::movie::MovieFormat};
-
-    #[test]
-    fn frames_come_back() {
-        let size = Size::new(3, 2).unwrap();
-        let images: Vec<_> = (0..4_u8)
-            .map(|number| Image::new(size, vec![number * 50; 18]))
-            .collect();
-        let reel = Reel {
-            size,
-            fps: 25.0,
-            frames: 4,
-        };
-        let mut file = Vec::new();
-        let draw = |sink: FrameSink| images.iter().try_for_each(sink);
-        MovieFormat::Apng.write(&mut file, reel, draw).unwrap();
-        let mut reader = png::Decoder::new(Cursor::new(&file)).read_info().unwrap();
-        assert_eq!(reader.info().animation_control().unwrap().num_frames, 4);
-        let mut pixels = vec![0; 18];
-        for image in &images {
-            reader.next_frame(&mut pixels).unwrap();
-            assert_eq!(pixels, image.pixels());
-            let frame = reader.info().frame_control().unwrap();
-            assert_eq!((frame.delay_num, frame.delay_den), (1, 25));
-        }
-
-        let few = |sink: FrameSink| images.iter().take(3).try_for_each(sink);
-        assert!(MovieFormat::Apng.write(Vec::new(), reel, few).is_err());
-    }
 }

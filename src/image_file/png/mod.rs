@@ -126,7 +126,8 @@ fn join<const BITS: usize>(pixels: [u8; 8]) -> [u8; BITS] {
     std::array::from_fn(|byte| bytes[8 - BITS + byte])
 }
 
-fn error(error: EncodingError) -> Error {
+/// Returns the error of a file for one of the crate.
+pub(super) fn error(error: EncodingError) -> Error {
     Error::writing(match error {
         EncodingError::IoError(error) => error,
         other => io::Error::other(other),
