@@ -5,4 +5,5 @@
 pub(crate) mod bytes;
 pub(crate) mod fault;
 pub(crate) mod mesh;
+pub(crate) mod ply;
 pub(crate) mod table;

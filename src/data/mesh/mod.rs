@@ -12,7 +12,6 @@ mod lines;
 mod obj;
 mod place;
 mod ply;
-mod ply_row;
 mod polygon;
 mod stl;
 mod stl_facet;

@@ -11,16 +11,13 @@ use glam::DVec3;
 use crate::{
     data::{
         fault::{At, Fault, Part, ReadError},
-        mesh::{
-            Flaw, MeshFile, Request, place::Place, ply_row::Row, push, reserve, stream::Stream,
+        mesh::{Flaw, MeshFile, Request, place::Place, push, reserve, stream::Stream},
+        ply::{
+            header::{Element, Encoding, Header, Type, VERTEX},
+            row::{Row, Unlike},
+            selection::{Selected, Selection},
         },
-        table::{
-            layout::{COLORS, Endian, VALUE},
-            ply::{
-                BEHIND, Selected, Selection, VERTEX,
-                header::{Element, Encoding, Header, Type},
-            },
-        },
+        table::layout::{COLORS, Endian, VALUE},
     },
     text::nearest::quote,
 };
@@ -178,15 +175,11 @@ impl Reader {
                         cut_off(element, row, mesh);
                         return Ok(false);
                     };
-                    (Place::line(line), self.row.parse(text, element, &wanted))
+                    (Place::line(line), self.parse(text, element, &wanted))
                 }
-                Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
+                Encoding::Binary(endian) => {
                     let place = Place::byte(file.position());
-                    let endian = match self.encoding {
-                        Encoding::BinaryBigEndian => Endian::Big,
-                        _ => Endian::Little,
-                    };
-                    if !self.row.read(file, element, endian, &wanted)? {
+                    if !self.decode(file, element, endian, &wanted)? {
                         cut_off(element, row, mesh);
                         return Ok(false);
                     }
@@ -211,6 +204,46 @@ impl Reader {
             }
         }
         Ok(true)
+    }
+
+    /// Parses a row of a text; returns the fault if it is not one.
+    fn parse(
+        &mut self,
+        text: &[u8],
+        element: &Element,
+        wanted: &[bool],
+    ) -> Result<(), (Flaw, String)> {
+        let text = str::from_utf8(text);
+        let text = text.map_err(|_| (Flaw::Line, "this is not text".to_owned()))?;
+        self.row.parse(text, element, wanted).map_err(|unlike| {
+            let flaw = match unlike {
+                Unlike::Number(_) => Flaw::Number,
+                Unlike::Short | Unlike::Long | Unlike::Length(_) => Flaw::Length,
+            };
+            (flaw, unlike.to_string())
+        })
+    }
+
+    /// Decodes a row of bytes; returns false if the file ends before, or a list has no length.
+    #[inline(always)]
+    fn decode(
+        &mut self,
+        file: &mut Stream<impl Read>,
+        element: &Element,
+        endian: Endian,
+        wanted: &[bool],
+    ) -> Result<bool, ReadError> {
+        loop {
+            match self.row.decode(file.bytes(), element, endian, wanted)? {
+                Ok(size) => {
+                    file.skip(size, 0);
+                    return Ok(true);
+                }
+                Err(needed) if needed as u64 > file.remaining() => return Ok(false),
+                Err(_) if file.more()? => {}
+                Err(_) => return Ok(false),
+            }
+        }
     }
 
     #[inline(always)]
@@ -320,16 +353,10 @@ impl Reader {
     fn end(&self, file: &mut Stream<impl Read>, mesh: &mut MeshFile) -> Result<(), ReadError> {
         if self.encoding == Encoding::Ascii {
             if let Some((line, _)) = file.line(|_, _| false)? {
-                mesh.note(Flaw::Behind, || {
-                    let fault = At::line(line).fault("text after the last row is not read");
-                    fault.help(BEHIND)
-                });
+                mesh.note(Flaw::Behind, || Header::text_behind(line));
             }
         } else if file.remaining() > 0 {
-            mesh.note(Flaw::Behind, || {
-                let behind = file.remaining();
-                Fault::new(format!("bytes after the last row are not read: {behind}")).help(BEHIND)
-            });
+            mesh.note(Flaw::Behind, || Header::bytes_behind(file.remaining()));
         }
         Ok(())
     }

@@ -1,10 +1,12 @@
 //! The file formats of tables: their extensions, and the names of their columns.
 
-use crate::data::table::{
-    kind::RowKind,
-    layout::COLORS,
-    ply,
-    select::{self, ColumnNames, Known},
+use crate::data::{
+    ply::selection,
+    table::{
+        kind::RowKind,
+        layout::COLORS,
+        select::{self, ColumnNames, Known},
+    },
 };
 
 /// The file format of a table.
@@ -67,7 +69,7 @@ impl Format {
     pub(crate) const fn columns(self, kind: RowKind) -> ColumnNames {
         match self {
             Self::Csv | Self::Npy | Self::Npz | Self::Xyz | Self::Pdb => select::columns(kind),
-            Self::Ply => ply::KNOWN.columns,
+            Self::Ply => selection::KNOWN.columns,
         }
     }
 

@@ -16,10 +16,10 @@ pub(crate) mod layout;
 pub(crate) mod left_out;
 mod npy;
 mod npz;
-pub(crate) mod ply;
+mod ply;
 pub(crate) mod row_cells;
 mod rows;
-mod select;
+pub(crate) mod select;
 #[cfg(test)]
 mod tests;
 mod values;

@@ -15,17 +15,17 @@ use crate::{
 };
 
 /// The names of a format for its columns, and for what it calls them.
-pub(super) struct Known {
+pub(crate) struct Known {
     /// The names of all columns but the value.
-    pub(super) columns: ColumnNames,
+    pub(crate) columns: ColumnNames,
     /// The name of a column with all of a color.
-    pub(super) hex: Option<&'static str>,
+    pub(crate) hex: Option<&'static str>,
     /// The word for columns.
-    pub(super) columns_word: &'static str,
+    pub(crate) columns_word: &'static str,
     /// The start of the message about a missing column.
-    pub(super) missing: &'static str,
+    pub(crate) missing: &'static str,
     /// The axis and the angle of copies.
-    pub(super) rotation: &'static [&'static str],
+    pub(crate) rotation: &'static [&'static str],
 }
 
 /// The columns of the axis and the angle of copies.
@@ -35,11 +35,11 @@ const ROTATION: [&str; 4] = ["axis_x", "axis_y", "axis_z", ANGLE];
 const ANGLE: &str = "angle";
 
 /// The names of the columns, without the value; `None` for one that no such table has.
-pub(super) type ColumnNames = [Option<&'static str>; VALUE];
+pub(crate) type ColumnNames = [Option<&'static str>; VALUE];
 
 impl Known {
     /// The columns of a numpy array whose rows stand for these shapes.
-    pub(super) const fn of_array(kind: RowKind) -> Self {
+    pub(crate) const fn of_array(kind: RowKind) -> Self {
         Self {
             columns: columns(kind),
             hex: None,
@@ -50,7 +50,7 @@ impl Known {
     }
 
     /// The columns of a CSV file: one may have `#rrggbb` or `#rgb`.
-    pub(super) const fn of_csv(kind: RowKind) -> Self {
+    pub(crate) const fn of_csv(kind: RowKind) -> Self {
         Self {
             hex: match kind {
                 RowKind::Sphere | RowKind::Cylinder { .. } => Some("color"),
@@ -66,7 +66,7 @@ impl Known {
     }
 
     /// Returns all names.
-    pub(super) fn all(&self) -> Vec<&'static str> {
+    pub(crate) fn all(&self) -> Vec<&'static str> {
         self.columns
             .iter()
             .copied()
@@ -78,7 +78,7 @@ impl Known {
 }
 
 /// Returns the names of the columns of CSV files and of numpy arrays.
-pub(super) const fn columns(kind: RowKind) -> ColumnNames {
+pub(crate) const fn columns(kind: RowKind) -> ColumnNames {
     let ends = match kind {
         RowKind::Sphere | RowKind::Copy => [Some("x"), Some("y"), Some("z"), None, None, None],
         RowKind::Cylinder { .. } => [
@@ -101,7 +101,7 @@ pub(super) const fn columns(kind: RowKind) -> ColumnNames {
 }
 
 /// Returns the names of the columns of the axis and the angle, which only copies have.
-pub(super) const fn rotation_of(kind: RowKind) -> &'static [&'static str] {
+pub(crate) const fn rotation_of(kind: RowKind) -> &'static [&'static str] {
     match kind {
         RowKind::Copy => &ROTATION,
         RowKind::Sphere | RowKind::Cylinder { .. } => &[],
@@ -109,7 +109,7 @@ pub(super) const fn rotation_of(kind: RowKind) -> &'static [&'static str] {
 }
 
 /// Returns the name of a column of the axis or the angle of copies, by its place among all columns.
-pub(super) fn rotation(at: usize) -> Option<&'static str> {
+pub(crate) fn rotation(at: usize) -> Option<&'static str> {
     match at {
         VALUE => Some(ANGLE),
         _ => ROTATION.get(at.checked_sub(OTHER_END.start)?).copied(),
@@ -117,7 +117,7 @@ pub(super) fn rotation(at: usize) -> Option<&'static str> {
 }
 
 /// Returns the names of the coordinates.
-pub(super) fn coordinates(columns: &ColumnNames) -> impl Iterator<Item = &'static str> {
+pub(crate) fn coordinates(columns: &ColumnNames) -> impl Iterator<Item = &'static str> {
     columns.iter().take(RADIUS).copied().flatten()
 }
 
@@ -132,17 +132,17 @@ pub(crate) struct Names {
 
 /// The columns that are read.
 #[derive(Clone, Debug)]
-pub(super) struct Selection {
+pub(crate) struct Selection {
     /// The index of each among all columns.
-    pub(super) places: Columns<Option<usize>>,
+    pub(crate) places: Columns<Option<usize>>,
     /// True if the three channels are one column of text.
-    pub(super) is_hex: bool,
-    pub(super) names: Names,
+    pub(crate) is_hex: bool,
+    pub(crate) names: Names,
 }
 
 impl Selection {
     /// Chooses among the columns with these names.
-    pub(super) fn new(names: &[&str], known: &Known, request: &Request) -> Result<Self, Fault> {
+    pub(crate) fn new(names: &[&str], known: &Known, request: &Request) -> Result<Self, Fault> {
         let place = |name: &str| names.iter().position(|other| *other == name);
         let mut seen = HashSet::new();
         let is_read =
@@ -217,13 +217,13 @@ impl Selection {
     }
 
     /// Returns which columns there are.
-    pub(super) fn has(&self) -> Columns<bool> {
+    pub(crate) fn has(&self) -> Columns<bool> {
         self.places.map(|place| place.is_some())
     }
 }
 
 /// Returns the help for a table whose rows stand for other shapes than the scene says, if it is one.
-pub(super) fn other_kind(names: &[&str], kind: RowKind) -> Option<&'static str> {
+pub(crate) fn other_kind(names: &[&str], kind: RowKind) -> Option<&'static str> {
     let (other, help) = match kind {
         RowKind::Copy => return None,
         RowKind::Sphere => (

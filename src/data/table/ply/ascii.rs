@@ -5,16 +5,12 @@ use std::{iter::Enumerate, str::Split};
 use crate::{
     data::{
         fault::{At, Fault, Part, ReadError, Wrong},
-        table::{
-            Defaults, Table,
-            layout::Scalar,
-            ply::{
-                BEHIND, Selected, Selection, VERTEX,
-                header::{Element, Header, Type},
-                row_of,
-            },
-            rows::Rows,
+        ply::{
+            header::{Element, Header, VERTEX},
+            row::{self, Unlike, number},
+            selection::{Selected, Selection},
         },
+        table::{Defaults, Table, ply::row_of, rows::Rows},
     },
     text::nearest::quote,
 };
@@ -53,10 +49,7 @@ pub(super) fn read(
             }
         }
     }
-    let behind = lines.next().map(|(line, _)| {
-        let fault = At::line(line).fault("text after the last row is not read");
-        fault.help(BEHIND)
-    });
+    let behind = lines.next().map(|(line, _)| Header::text_behind(line));
     Ok(Table {
         behind,
         ..rows.into_table(selection.has(), selection.names.clone(), defaults)
@@ -107,33 +100,30 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Returns the first word of each property; the words of lists are counted.
+/// Returns the first word of each property.
 fn words<'a>(
     element: &Element,
     row: usize,
     line: u64,
     text: &'a str,
 ) -> Result<Vec<&'a str>, Fault> {
-    let mut rest = text.split_ascii_whitespace();
     let mut words = Vec::with_capacity(element.properties.len());
-    let place = || At::new(format!("{} (line {line})", row_of(element, row)), line);
-    let short = || place().fault("too few numbers");
-    for property in &element.properties {
-        let word = rest.next().ok_or_else(short)?;
-        words.push(word);
-        if let Type::List { .. } = property.kind {
-            let length: usize = word.parse().map_err(|_| {
-                let place = place().word(word);
-                place.fault(format!("{} is not the length of a list", quote(word)))
-            })?;
-            if length > 0 {
-                rest.nth(length - 1).ok_or_else(short)?;
-            }
+    let read = row::words(element, text, |property, word, _| {
+        if words.len() == property {
+            words.push(word);
         }
-    }
-    match rest.next() {
-        Some(_) => Err(place().fault("too many numbers")),
-        None => Ok(words),
+        Ok(())
+    });
+    match read {
+        Ok(()) => Ok(words),
+        Err(unlike) => {
+            let place = At::new(format!("{} (line {line})", row_of(element, row)), line);
+            let place = match unlike {
+                Unlike::Length(word) => place.word(word),
+                _ => place,
+            };
+            Err(place.fault(unlike))
+        }
     }
 }
 
@@ -154,27 +144,9 @@ fn numbers(
             rows.note(Wrong::Number, name, || {
                 let (at, of) = (selected.index, element.properties.len());
                 let cell = At::cell(row, Some(line), name).part(Part::Cell { at, of });
-                cell.fault(format!("{} is not a number of its type", quote(word)))
+                cell.fault(Unlike::Number(word))
             })
         })
     };
     selection.iter().map(number).collect()
-}
-
-/// Parses a number as the type in the header: a `float` has the same value as in a binary file.
-pub(crate) fn number(word: &str, scalar: Scalar) -> Option<f64> {
-    fn parse<T: std::str::FromStr + Into<f64>>(word: &str) -> Option<f64> {
-        word.parse::<T>().ok().map(Into::into)
-    }
-    match scalar {
-        Scalar::I8 => parse::<i8>(word),
-        Scalar::U8 => parse::<u8>(word),
-        Scalar::I16 => parse::<i16>(word),
-        Scalar::U16 => parse::<u16>(word),
-        Scalar::I32 => parse::<i32>(word),
-        Scalar::U32 => parse::<u32>(word),
-        Scalar::F32 => parse::<f32>(word),
-        // A PLY file has no other types.
-        Scalar::F64 | Scalar::I64 | Scalar::U64 | Scalar::F16 | Scalar::Bool => parse::<f64>(word),
-    }
 }

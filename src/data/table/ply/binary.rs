@@ -6,15 +6,16 @@ use crate::{
     data::{
         bytes::Reading,
         fault::{Fault, ReadError},
+        ply::{
+            header::{Element, Header, Type, VERTEX},
+            row::Row,
+            selection::{Selected, Selection},
+        },
         table::{
             Defaults, Table,
             check::Check,
             layout::{Column, Endian, Layout, VALUE},
-            ply::{
-                BEHIND, Selected, Selection, VERTEX,
-                header::{Element, Header, Type},
-                row_of,
-            },
+            ply::row_of,
             rows::Rows,
         },
     },
@@ -38,26 +39,17 @@ pub(super) fn read(
         }
     }
     let bytes = file.finish()?;
-    let mut walk = Walk {
-        bytes: &bytes,
-        endian,
-        at: header.end,
-    };
-    // The vertices: their number, their start and the start of the next element.
-    let mut vertices = (0, 0..0);
+    let mut rest = bytes.get(header.end..).unwrap_or_default();
+    let mut range = 0..0;
     for element in &header.elements {
-        let start = walk.at;
-        walk.skip(element)?;
+        let start = bytes.len() - rest.len();
+        skip(&mut rest, element, endian)?;
         if element.name == VERTEX {
-            vertices = (element.rows, start..walk.at);
+            range = start..bytes.len() - rest.len();
         }
     }
-    let behind = bytes.len() - walk.at;
-    let behind = (behind > 0).then(|| {
-        let message = format!("bytes after the last row are not read: {behind}");
-        Fault::new(message).help(BEHIND)
-    });
-    let (rows, range) = vertices;
+    let behind = rest.len();
+    let behind = (behind > 0).then(|| Header::bytes_behind(behind as u64));
     if let Some(check) = check {
         // The bytes after the vertices are not needed.
         let bytes = if range.end < bytes.len() {
@@ -72,33 +64,19 @@ pub(super) fn read(
         });
     }
     let mut packed = Rows::new();
-    let vertex = header
-        .elements
-        .iter()
-        .find(|element| element.name == VERTEX);
-    let properties = vertex.map_or(&[][..], |element| &element.properties);
-    let mut walk = Walk {
-        bytes: &bytes,
-        endian,
-        at: range.start,
-    };
-    let mut places = Vec::with_capacity(properties.len());
+    let vertex = header.vertex()?;
+    let is_read = |index| selection.iter().any(|selected| selected.index == index);
+    let wanted: Vec<_> = (0..vertex.properties.len()).map(is_read).collect();
+    let mut row = Row::default();
+    let mut rest = bytes.get(range).unwrap_or_default();
     let mut numbers = Vec::with_capacity(VALUE + 1);
-    for _ in 0..rows {
-        places.clear();
-        for property in properties {
-            places.push(walk.at);
-            // Cannot fail: all values were skipped once before.
-            walk.skip_value(property.kind);
-        }
+    for _ in 0..vertex.rows {
+        // Has the row: all were skipped once before.
+        let size = row.decode(rest, vertex, endian, &wanted)?;
+        rest = rest.get(size.unwrap_or_default()..).unwrap_or_default();
         numbers.clear();
-        numbers.extend(selection.iter().map(|selected| {
-            let at = places.get(selected.index).copied().unwrap_or_default();
-            let number = selected
-                .scalar
-                .number(bytes.get(at..).unwrap_or_default(), endian);
-            selected.number(number.unwrap_or_default())
-        }));
+        let selected = selection.iter();
+        numbers.extend(selected.map(|selected| selected.number(row.number(selected.index))));
         packed.push(&numbers, None)?;
     }
     Ok(Table {
@@ -114,24 +92,20 @@ pub(super) fn texts(
     endian: Endian,
     row: usize,
 ) -> Result<Vec<String>, Fault> {
-    let at = header.end.min(bytes.len());
-    let mut walk = Walk { bytes, endian, at };
-    for element in &header.elements {
-        if element.name == VERTEX {
-            break;
-        }
-        walk.skip(element)?;
-    }
+    let mut rest = bytes.get(header.end..).unwrap_or_default();
     let vertex = header.vertex()?;
+    let others = header.elements.iter();
+    for element in others.take_while(|element| element.name != VERTEX) {
+        skip(&mut rest, element, endian)?;
+    }
     let before = Element {
         rows: row,
         ..vertex.clone()
     };
-    walk.skip(&before)?;
+    skip(&mut rest, &before, endian)?;
     let texts = vertex.properties.iter().map(|property| {
-        let (Type::Scalar(scalar) | Type::List { length: scalar, .. }) = property.kind;
-        let text = scalar.text(bytes.get(walk.at..)?, endian)?;
-        walk.skip_value(property.kind)?;
+        let text = property.kind.first().text(rest, endian)?;
+        skip_value(&mut rest, property.kind, endian)?;
         Some(text)
     });
     Ok(texts.map(Option::unwrap_or_default).collect())
@@ -162,10 +136,7 @@ fn layout(
     }
     let column = |selected: Selected| {
         let before = vertex.properties.iter().take(selected.index);
-        let offset = before.map(|property| match property.kind {
-            Type::Scalar(scalar) => scalar.size(),
-            Type::List { .. } => 0,
-        });
+        let offset = before.map(|property| property.kind.first().size());
         Column::Stored {
             scalar: selected.scalar,
             endian,
@@ -178,54 +149,35 @@ fn layout(
     Some(Layout::new(vertex.rows, columns, defaults))
 }
 
-/// A cursor over the bytes.
-struct Walk<'a> {
-    bytes: &'a [u8],
-    endian: Endian,
-    at: usize,
-}
-
-impl Walk<'_> {
-    /// Skips an element.
-    fn skip(&mut self, element: &Element) -> Result<(), Fault> {
-        let left = self.bytes.len() - self.at;
-        if let Some(stride) = element.stride() {
-            let size = element.rows.checked_mul(stride);
-            let size = size.filter(|size| *size <= left).ok_or_else(|| {
-                let (rows, name) = (element.rows, quote(&element.name));
+/// Removes an element from the start of `rest`.
+fn skip(rest: &mut &[u8], element: &Element, endian: Endian) -> Result<(), Fault> {
+    if let Some(stride) = element.stride() {
+        let size = element.rows.checked_mul(stride);
+        *rest = size.and_then(|size| rest.get(size..)).ok_or_else(|| {
+            let (rows, name, left) = (element.rows, quote(&element.name), rest.len());
+            Fault::new(format!(
+                "the file is cut off: {rows} rows of {name} of {stride} bytes, found {left} bytes"
+            ))
+        })?;
+        return Ok(());
+    }
+    for row in 0..element.rows {
+        for property in &element.properties {
+            skip_value(rest, property.kind, endian).ok_or_else(|| {
+                let place = row_of(element, row);
                 Fault::new(format!(
-                    "the file is cut off: {rows} rows of {name} of {stride} bytes, found {left} \
-                     bytes"
+                    "{place}: the file is cut off, or a list has no length"
                 ))
             })?;
-            self.at += size;
-            return Ok(());
         }
-        for row in 0..element.rows {
-            for property in &element.properties {
-                if self.skip_value(property.kind).is_none() {
-                    let place = row_of(element, row);
-                    let message = format!("{place}: the file is cut off, or a list has no length");
-                    return Err(Fault::new(message));
-                }
-            }
-        }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// Skips a value; `None` if it is incomplete.
-    fn skip_value(&mut self, kind: Type) -> Option<()> {
-        let size = match kind {
-            Type::Scalar(scalar) => scalar.size(),
-            Type::List { length, item } => {
-                let count = length.number(self.bytes.get(self.at..)?, self.endian)?;
-                // At most 32 bits, so only negative numbers do not fit.
-                let count = (count >= 0.0).then_some(count as usize)?;
-                length.size() + count.checked_mul(item.size())?
-            }
-        };
-        let end = self.at.checked_add(size)?;
-        self.at = (end <= self.bytes.len()).then_some(end)?;
-        Some(())
-    }
+/// Removes a value; returns `None` if it is incomplete.
+#[inline(always)]
+fn skip_value(rest: &mut &[u8], kind: Type, endian: Endian) -> Option<()> {
+    let (_, place) = kind.numbers(rest, endian).ok()?;
+    *rest = rest.get(place.end..)?;
+    Some(())
 }

@@ -1,105 +1,28 @@
-//! The vertices of a PLY file: text, or binary in either byte order.
+//! The vertices of a PLY file as spheres.
 //!
-//! The format is Greg Turk's (The PLY Polygon File Format, 1994) with the type names of later
-//! tools. From the element `vertex`, the properties x, y, z, radius and red, green, blue are read.
-//! All else is skipped but parsed, so that a file that ends too early or too late is reported.
+//! From the element `vertex`, the properties x, y, z, radius and red, green, blue are read. All else
+//! is skipped but parsed, so that a file that ends too early or too late is reported.
 
-pub(crate) mod ascii;
+mod ascii;
 mod binary;
-pub(crate) mod header;
 
 use std::io::{Cursor, Read};
-
-use header::{Element, Encoding, Header, Property, Type};
 
 use crate::{
     data::{
         bytes::{Reading, read_bytes},
         fault::{Fault, ReadError},
-        table::{
-            Request, Table,
-            layout::{COLORS, Columns, Endian, Scalar, VALUE},
-            row_cells::RowCells,
-            select::{self, Known, Names},
+        ply::{
+            header::{Element, Encoding, Header, Type, VERTEX},
+            selection::Selection,
         },
+        table::{Request, Table, row_cells::RowCells},
     },
     text::nearest::quote,
 };
 
-/// The element that is read.
-pub(crate) const VERTEX: &str = "vertex";
-
-/// The help for a file that goes on behind its end.
-pub(crate) const BEHIND: &str = "are the numbers of rows in the header right?";
-
 /// Size of the start of a file that contains the header, except for long ones.
 const HEAD: usize = if cfg!(test) { 318 } else { 1 << 16 };
-
-/// The properties of a vertex that is a sphere.
-pub(super) const KNOWN: Known = known(Some("radius"), COLOR);
-
-/// The channels of the color of a vertex.
-const COLOR: [Option<&str>; 3] = [Some("red"), Some("green"), Some("blue")];
-
-/// The same as old programs name them.
-const DIFFUSE: [Option<&str>; 3] = [
-    Some("diffuse_red"),
-    Some("diffuse_green"),
-    Some("diffuse_blue"),
-];
-
-/// The names of one number with all channels, as the Point Cloud Library writes them.
-const PACKED: [&str; 2] = ["rgb", "rgba"];
-
-/// The properties of the color of an element, if it has one.
-#[derive(Clone, Copy)]
-enum ColorOf {
-    Channels([Option<&'static str>; 3]),
-    Packed(usize),
-}
-
-impl ColorOf {
-    fn new(element: &Element) -> Self {
-        let has = |name: &str| element.properties.iter().any(|each| each.name == name);
-        let packed = |property: &Property| {
-            let is_number = matches!(
-                property.kind,
-                Type::Scalar(Scalar::F32 | Scalar::I32 | Scalar::U32)
-            );
-            is_number && PACKED.contains(&property.name.as_str())
-        };
-        let is_any = |names: [Option<&str>; 3]| names.into_iter().flatten().any(has);
-        match element.properties.iter().position(packed) {
-            _ if is_any(COLOR) => Self::Channels(COLOR),
-            _ if is_any(DIFFUSE) => Self::Channels(DIFFUSE),
-            Some(index) => Self::Packed(index),
-            None => Self::Channels(COLOR),
-        }
-    }
-}
-
-/// Returns the properties of a vertex with or without a radius and a color.
-const fn known(radius: Option<&'static str>, color: [Option<&'static str>; 3]) -> Known {
-    let [red, green, blue] = color;
-    Known {
-        columns: [
-            Some("x"),
-            Some("y"),
-            Some("z"),
-            None,
-            None,
-            None,
-            radius,
-            red,
-            green,
-            blue,
-        ],
-        hex: None,
-        columns_word: "properties",
-        missing: "the element `vertex` has no property",
-        rotation: &[],
-    }
-}
 
 pub(super) fn read(
     mut reader: impl Read,
@@ -111,14 +34,12 @@ pub(super) fn read(
     let (header, head) = read_header(&mut reader, length)?;
     let selection = Selection::of_spheres(header.vertex()?, request)?;
     let file = Reading::new(head.chain(reader), length)?;
-    let endian = match header.encoding {
-        Encoding::Ascii => {
-            return ascii::read(&file.finish()?, &header, &selection, &request.defaults);
+    match header.encoding {
+        Encoding::Ascii => ascii::read(&file.finish()?, &header, &selection, &request.defaults),
+        Encoding::Binary(endian) => {
+            binary::read(file, &header, endian, &selection, &request.defaults)
         }
-        Encoding::BinaryLittleEndian => Endian::Little,
-        Encoding::BinaryBigEndian => Endian::Big,
-    };
-    binary::read(file, &header, endian, &selection, &request.defaults)
+    }
 }
 
 /// Reads the cells of a row, with the names of their columns.
@@ -128,8 +49,7 @@ pub(super) fn row_cells(reader: impl Read, length: u64, row: usize) -> Result<Ro
     let header = Header::parse(&bytes)?.ok_or_else(Header::endless)?;
     let texts = match header.encoding {
         Encoding::Ascii => ascii::texts(&bytes, &header, row)?,
-        Encoding::BinaryLittleEndian => binary::texts(&bytes, &header, Endian::Little, row)?,
-        Encoding::BinaryBigEndian => binary::texts(&bytes, &header, Endian::Big, row)?,
+        Encoding::Binary(endian) => binary::texts(&bytes, &header, endian, row)?,
     };
     let properties = &header.vertex()?.properties;
     let cells = properties.iter().zip(texts).map(|(property, text)| {
@@ -156,192 +76,6 @@ fn read_header(
         }
     }
     Err(Header::endless().into())
-}
-
-/// A property that is read: its index, its type and the divisor of its values.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Selected {
-    pub(crate) index: usize,
-    scalar: Scalar,
-    divisor: f64,
-    /// The first bit of a channel, if one number has all of them, or a byte with a sign.
-    shift: Option<u32>,
-}
-
-impl Selected {
-    const fn new(index: usize, scalar: Scalar) -> Self {
-        Self {
-            index,
-            scalar,
-            divisor: 1.0,
-            shift: None,
-        }
-    }
-
-    /// Returns the number that a value of the property stands for.
-    #[inline(always)]
-    pub(crate) fn number(&self, value: f64) -> f64 {
-        match self.shift {
-            None => value / self.divisor,
-            Some(shift) => {
-                let bits = match self.scalar {
-                    Scalar::F32 => (value as f32).to_bits(),
-                    _ => value as i64 as u32,
-                };
-                f64::from((bits >> shift) & 0xff) / self.divisor
-            }
-        }
-    }
-}
-
-/// The properties that are read.
-pub(crate) struct Selection {
-    pub(crate) columns: Columns<Option<Selected>>,
-    pub(crate) names: Names,
-}
-
-impl Selection {
-    /// Selects the properties of spheres.
-    fn of_spheres(vertex: &Element, request: &Request) -> Result<Self, Fault> {
-        Self::new(vertex, Some("radius"), true, request)
-    }
-
-    /// Selects the properties of the corners of triangles: their colors if these are wanted, and the
-    /// property whose values determine the colors.
-    pub(crate) fn of_corners(
-        vertex: &Element,
-        has_colors: bool,
-        value: Option<&str>,
-    ) -> Result<Self, Fault> {
-        let request = Request {
-            value,
-            ..Request::default()
-        };
-        Self::new(vertex, None, has_colors, &request)
-    }
-
-    /// Selects the color of a face, if it has one.
-    pub(crate) fn of_face(face: &Element) -> Option<[Selected; 3]> {
-        let indices = match ColorOf::new(face) {
-            ColorOf::Packed(index) => return packed(face, index),
-            ColorOf::Channels(names) => names.map(|name| {
-                let mut properties = face.properties.iter();
-                properties.position(|property| Some(property.name.as_str()) == name)
-            }),
-        };
-        let selected = |index: Option<usize>| {
-            let property = index.and_then(|index| face.properties.get(index));
-            match (index, property.map(|property| property.kind)) {
-                (Some(index), Some(Type::Scalar(scalar))) => Some(Selected::new(index, scalar)),
-                _ => None,
-            }
-        };
-        let [red, green, blue] = indices.map(selected);
-        Some([red?, green?, blue?].map(channel))
-    }
-
-    fn new(
-        vertex: &Element,
-        radius: Option<&'static str>,
-        has_colors: bool,
-        request: &Request,
-    ) -> Result<Self, Fault> {
-        let color = ColorOf::new(vertex);
-        let known = &match color {
-            ColorOf::Channels(names) if has_colors => known(radius, names),
-            _ => known(radius, [None; 3]),
-        };
-        let names: Vec<_> = vertex
-            .properties
-            .iter()
-            .map(|each| each.name.as_str())
-            .collect();
-        let selection = select::Selection::new(&names, known, request)?;
-        let mut columns = [None; _];
-        for (at, (column, place)) in columns.iter_mut().zip(selection.places).enumerate() {
-            let property = place.and_then(|index| Some((index, vertex.properties.get(index)?)));
-            let Some((index, property)) = property else {
-                continue;
-            };
-            let Type::Scalar(scalar) = property.kind else {
-                let name = quote(&property.name);
-                let message = format!("the property {name} is a list, expected a number");
-                let fault = Fault::new(message);
-                return Err(match at {
-                    VALUE => fault.blame_value(&names_of_numbers(vertex)),
-                    _ => fault,
-                });
-            };
-            let selected = Selected::new(index, scalar);
-            *column = Some(match COLORS.contains(&at) {
-                true => channel(selected),
-                false => selected,
-            });
-        }
-        if let ColorOf::Packed(index) = color
-            && has_colors
-            && request.value.is_none()
-            && let Some(channels) = packed(vertex, index)
-        {
-            let of_color = columns.iter_mut().skip(COLORS.start);
-            for (column, channel) in of_color.zip(channels) {
-                *column = Some(channel);
-            }
-        }
-        // Vertices have normals, texture coordinates and more, which spheres do not need.
-        let names = Names {
-            unused: [].into(),
-            ..selection.names
-        };
-        Ok(Self { columns, names })
-    }
-
-    /// The properties in the order of the columns.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Selected> {
-        self.columns.iter().flatten()
-    }
-
-    /// Returns which columns there are.
-    pub(crate) fn has(&self) -> Columns<bool> {
-        self.columns.map(|selected| selected.is_some())
-    }
-}
-
-fn names_of_numbers(vertex: &Element) -> Vec<&str> {
-    let properties = vertex.properties.iter();
-    let numbers = properties.filter(|property| matches!(property.kind, Type::Scalar(_)));
-    numbers.map(|property| property.name.as_str()).collect()
-}
-
-/// Sets the divisor of a channel: its largest value, by its type. The other integers hold bytes, a
-/// `char` those from 128 on as negative numbers.
-const fn channel(selected: Selected) -> Selected {
-    let divisor = match selected.scalar {
-        Scalar::F16 | Scalar::F32 | Scalar::F64 => 1.0,
-        Scalar::U16 => 65535.0,
-        _ => 255.0,
-    };
-    let shift = match selected.scalar {
-        Scalar::I8 => Some(0),
-        _ => selected.shift,
-    };
-    Selected {
-        divisor,
-        shift,
-        ..selected
-    }
-}
-
-/// Returns the channels of a color in one number: red, green and blue from bit 16 on down.
-fn packed(element: &Element, index: usize) -> Option<[Selected; 3]> {
-    let Type::Scalar(scalar) = element.properties.get(index)?.kind else {
-        return None;
-    };
-    Some([16, 8, 0].map(|shift| Selected {
-        divisor: 255.0,
-        shift: Some(shift),
-        ..Selected::new(index, scalar)
-    }))
 }
 
 /// Formats the place of a row for the start of a message.

@@ -1,20 +1,24 @@
 //! The header of a PLY file: elements, each with its properties, in the order of the file.
 
+use std::ops::Range;
+
 use crate::{
     data::{
         bytes::BYTE_ORDER_MARK,
         fault::{At, Fault},
-        table::{layout::Scalar, ply::VERTEX},
+        table::layout::{Endian, Scalar},
     },
     text::nearest::quote,
 };
+
+/// The element of the points.
+pub(crate) const VERTEX: &str = "vertex";
 
 /// The encoding of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
     Ascii,
-    BinaryLittleEndian,
-    BinaryBigEndian,
+    Binary(Endian),
 }
 
 /// The type of a property.
@@ -26,6 +30,42 @@ pub(crate) enum Type {
         length: Scalar,
         item: Scalar,
     },
+}
+
+impl Type {
+    /// The type of the first number of a value, which is the length of a list.
+    pub(crate) const fn first(self) -> Scalar {
+        match self {
+            Self::Scalar(scalar) | Self::List { length: scalar, .. } => scalar,
+        }
+    }
+
+    /// Returns the type and the place of the numbers of a value at the start of `bytes`, or the number
+    /// of bytes that it has at least if there are fewer.
+    #[inline(always)]
+    pub(crate) fn numbers(
+        self,
+        bytes: &[u8],
+        endian: Endian,
+    ) -> Result<(Scalar, Range<usize>), usize> {
+        let (scalar, place) = match self {
+            Self::Scalar(scalar) => (scalar, 0..scalar.size()),
+            Self::List { length, item } => {
+                let start = length.size();
+                let count = bytes.get(..start).ok_or(start)?;
+                let count = length.number(count, endian).unwrap_or_default();
+                if count < 0.0 {
+                    return Err(usize::MAX);
+                }
+                let size = (count as usize).saturating_mul(item.size());
+                (item, start..start.saturating_add(size))
+            }
+        };
+        match place.end <= bytes.len() {
+            true => Ok((scalar, place)),
+            false => Err(place.end),
+        }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,21 +84,22 @@ pub(crate) struct Element {
 impl Element {
     /// Returns the number of bytes in a row, if all rows have the same.
     pub(crate) fn stride(&self) -> Option<usize> {
-        let sizes = self.properties.iter().map(|property| match property.kind {
-            Type::Scalar(scalar) => Some(scalar.size()),
-            Type::List { .. } => None,
-        });
-        sizes.sum()
+        let mut properties = self.properties.iter();
+        let is_plain = properties.all(|property| matches!(property.kind, Type::Scalar(_)));
+        is_plain.then(|| self.smallest_row())
     }
 
     /// Returns the number of bytes of a row with empty lists.
     pub(crate) fn smallest_row(&self) -> usize {
-        let sizes = self.properties.iter().map(|property| match property.kind {
-            Type::Scalar(scalar) | Type::List { length: scalar, .. } => scalar.size(),
-        });
-        sizes.sum()
+        let properties = self.properties.iter();
+        properties
+            .map(|property| property.kind.first().size())
+            .sum()
     }
 }
+
+/// The help for a file that goes on behind its end.
+const BEHIND: &str = "are the numbers of rows in the header right?";
 
 /// The longest header.
 const LONGEST: usize = 1 << 20;
@@ -76,6 +117,18 @@ pub(crate) struct Header {
 }
 
 impl Header {
+    /// The fault of a binary file that has more bytes than rows.
+    pub(crate) fn bytes_behind(count: u64) -> Fault {
+        let fault = Fault::new(format!("bytes after the last row are not read: {count}"));
+        fault.help(BEHIND)
+    }
+
+    /// The fault of a text that has more lines than rows.
+    pub(crate) fn text_behind(line: u64) -> Fault {
+        let fault = At::line(line).fault("text after the last row is not read");
+        fault.help(BEHIND)
+    }
+
     /// Returns the element that every file has.
     pub(crate) fn vertex(&self) -> Result<&Element, Fault> {
         let mut elements = self.elements.iter();
@@ -128,8 +181,8 @@ impl Header {
                 ["format", name, "1.0"] if encoding.is_none() => {
                     encoding = Some(match *name {
                         "ascii" => Encoding::Ascii,
-                        "binary_little_endian" => Encoding::BinaryLittleEndian,
-                        "binary_big_endian" => Encoding::BinaryBigEndian,
+                        "binary_little_endian" => Encoding::Binary(Endian::Little),
+                        "binary_big_endian" => Encoding::Binary(Endian::Big),
                         _ => return Err(wrong()),
                     });
                 }
