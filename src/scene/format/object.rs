@@ -181,6 +181,21 @@ macro_rules! object {
                     });)*
                     std::ops::ControlFlow::Continue(())
                 }
+
+                fn enter<F: thing::Follow>(
+                    &mut self,
+                    step: &$crate::diagnostic::path::Step,
+                    follow: F,
+                ) -> Result<F::Out, F> {
+                    match step.name() {
+                        $(Some(object::object!(@name $field $($rename)?)) => object::object!(
+                            @if_thing $kind { Ok(follow.thing(&mut self.$field)) } {
+                                Ok(follow.value(&mut self.$field))
+                            }
+                        ),)*
+                        _ => Err(follow),
+                    }
+                }
             }
 
             /// The places of the fields.
@@ -223,8 +238,8 @@ macro_rules! object {
     (@if Other $then:tt $($else:block)?) => { $($else)? };
     (@if $kind:ident $then:block $($else:block)?) => { $then };
 
-    (@if_thing Thing $then:block) => { $then };
-    (@if_thing $kind:ident $then:block) => {};
+    (@if_thing Thing $then:block $($else:block)?) => { $then };
+    (@if_thing $kind:ident $then:block $($else:block)?) => { $($else)? };
 
     (@kind Count [$most:expr]) => { $crate::scene::format::field::Kind::Count { most: $most } };
     (@kind $kind:ident $of:tt) => {

@@ -3,11 +3,13 @@
 
 use std::{ops::ControlFlow, sync::Arc};
 
+use serde::{Serialize, de::DeserializeOwned};
+
 use crate::{
     diagnostic::path::Step,
     scene::format::{
         field::{Field, Kind, Slot, Value},
-        map::Map,
+        map::{Entry, Map},
     },
 };
 
@@ -135,6 +137,22 @@ pub(crate) struct Words {
 /// What a visitor of the things inside of another one sees; it may end the visit.
 pub(crate) type See<'a> = &'a mut dyn FnMut(Step, &dyn Thing) -> ControlFlow<()>;
 
+/// A thing that can be read and written.
+pub(crate) trait Record: Thing + Serialize + DeserializeOwned {}
+
+impl<T: Thing + Serialize + DeserializeOwned> Record for T {}
+
+/// What follows the steps of a path into a thing.
+pub(crate) trait Follow: Sized {
+    type Out;
+
+    /// Goes on in a thing, which may be an optional one that is not given.
+    fn thing<T: Record>(self, thing: &mut T) -> Self::Out;
+
+    /// Ends at a value, which has no fields.
+    fn value<T: Serialize + DeserializeOwned>(self, value: &mut T) -> Self::Out;
+}
+
 /// A thing of the format: an object, one of several objects, a list, or a map.
 pub(crate) trait Thing {
     /// Returns the type.
@@ -171,11 +189,39 @@ pub(crate) trait Thing {
     fn is_given(&self) -> bool {
         true
     }
+
+    /// Returns the name of the variant that it is.
+    fn variant(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Leads to what is at a step, or returns `follow` if the step leads nowhere.
+    fn enter<F: Follow>(&mut self, _step: &Step, follow: F) -> Result<F::Out, F>
+    where
+        Self: Sized,
+    {
+        Err(follow)
+    }
+
+    /// Removes an entry of a map; returns false if there is no such entry.
+    fn remove(&mut self, _step: &Step) -> bool {
+        false
+    }
 }
 
-impl<T: Thing> Thing for Vec<T> {
+impl<T: Record> Thing for Vec<T> {
     fn of_type() -> Type {
         Type::List(T::of_type, 0)
+    }
+
+    fn enter<F: Follow>(&mut self, step: &Step, follow: F) -> Result<F::Out, F> {
+        let Step::Index(index) = step else {
+            return Err(follow);
+        };
+        match self.get_mut(*index) {
+            Some(item) => Ok(follow.thing(item)),
+            None => Err(follow),
+        }
     }
 
     fn things(&self, see: See) -> ControlFlow<()> {
@@ -184,9 +230,23 @@ impl<T: Thing> Thing for Vec<T> {
     }
 }
 
-impl<T: Thing> Thing for Map<T> {
+impl<T: Record + for<'de> Entry<'de>> Thing for Map<T> {
     fn of_type() -> Type {
         Type::Map(T::of_type, None)
+    }
+
+    fn enter<F: Follow>(&mut self, step: &Step, follow: F) -> Result<F::Out, F> {
+        let mut entries = self.0.iter_mut();
+        match entries.find(|(name, _)| step.name() == Some(&**name)) {
+            Some((_, item)) => Ok(follow.thing(item)),
+            None => Err(follow),
+        }
+    }
+
+    fn remove(&mut self, step: &Step) -> bool {
+        let count = self.0.len();
+        self.0.retain(|(name, _)| step.name() != Some(&**name));
+        self.0.len() < count
     }
 
     fn things(&self, see: See) -> ControlFlow<()> {
@@ -223,6 +283,15 @@ macro_rules! forward {
 
             fn things(&self, see: See) -> ControlFlow<()> {
                 (**self).things(see)
+            }
+
+            fn variant(&self) -> Option<&'static str> {
+                (**self).variant()
+            }
+
+            fn enter<F: Follow>(&mut self, step: &Step, follow: F) -> Result<F::Out, F> {
+                let $self = self;
+                T::enter($writable, step, follow)
             }
         }
     };
@@ -261,5 +330,20 @@ impl<T: Thing> Thing for Option<T> {
 
     fn is_given(&self) -> bool {
         self.is_some()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        self.as_ref().and_then(T::variant)
+    }
+
+    fn enter<F: Follow>(&mut self, step: &Step, follow: F) -> Result<F::Out, F> {
+        match self {
+            Some(thing) => thing.enter(step, follow),
+            None => Err(follow),
+        }
+    }
+
+    fn remove(&mut self, step: &Step) -> bool {
+        self.as_mut().is_some_and(|thing| thing.remove(step))
     }
 }

@@ -81,6 +81,22 @@ macro_rules! variants {
                         $(Self::$variant(thing) => thing.things(see)),*
                     }
                 }
+
+                fn variant(&self) -> Option<&'static str> {
+                    match self {
+                        $(Self::$variant(_) => Some(stringify!($variant))),*
+                    }
+                }
+
+                fn enter<F: thing::Follow>(
+                    &mut self,
+                    step: &$crate::diagnostic::path::Step,
+                    follow: F,
+                ) -> Result<F::Out, F> {
+                    match self {
+                        $(Self::$variant(thing) => thing.enter(step, follow)),*
+                    }
+                }
             }
         };
     };

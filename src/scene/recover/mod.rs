@@ -34,7 +34,10 @@ use serde::Deserialize;
 pub(crate) use access::name_of;
 
 use crate::{
-    diagnostic::{Code, Diagnostic, path::Trail},
+    diagnostic::{
+        Code, Diagnostic,
+        path::{Step, Trail},
+    },
     scene::{
         problem::{Tally, syntax_fault},
         recover::reader::{Reader, Value},
@@ -66,6 +69,16 @@ pub(crate) fn recover<'de, T: Deserialize<'de>>(
     tree: &Tree,
     most: usize,
 ) -> Recovered<T> {
+    recover_at(text, tree, most, &[])
+}
+
+/// Reads what is at the end of these steps in a model.
+pub(crate) fn recover_at<'de, T: Deserialize<'de>>(
+    text: &str,
+    tree: &Tree,
+    most: usize,
+    steps: &[Step],
+) -> Recovered<T> {
     let notes = RefCell::new(Notes {
         diagnostics: Vec::new(),
         tally: Tally::new(most),
@@ -78,12 +91,14 @@ pub(crate) fn recover<'de, T: Deserialize<'de>>(
             tree,
             notes: &notes,
         };
-        let reader = Reader {
-            document,
-            value: Value::Node(root),
-            path: Trail::Root,
+        let read = |path: Trail<'_>| {
+            T::deserialize(Reader {
+                document,
+                value: Value::Node(root),
+                path,
+            })
         };
-        T::deserialize(reader)
+        with_trail(steps, Trail::Root, read)
             .map_err(|fault| {
                 let range = tree.node(root).range();
                 document.note(Diagnostic::new(Code::WrongType, range, fault.to_string()));
@@ -101,6 +116,14 @@ pub(crate) fn recover<'de, T: Deserialize<'de>>(
         diagnostics,
         tally,
         repairs,
+    }
+}
+
+/// Calls `read` with the trail of the steps behind another one.
+fn with_trail<R>(steps: &[Step], trail: Trail<'_>, read: impl FnOnce(Trail<'_>) -> R) -> R {
+    match steps {
+        [] => read(trail),
+        [first, rest @ ..] => with_trail(rest, Trail::Inside(&trail, first.clone()), read),
     }
 }
 

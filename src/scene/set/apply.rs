@@ -2,10 +2,7 @@
 
 use std::{mem, ops::Range, slice};
 
-use super::{
-    Setting,
-    patch::{Value, patched},
-};
+use super::{Setting, fill::fill, value::Value};
 use crate::{
     diagnostic::{
         Code, Diagnostic,
@@ -14,10 +11,9 @@ use crate::{
     scene::{
         format::scene::Model,
         locate::Locator,
-        path::Part,
         problem::{Focus, Problem},
         recover::Repairs,
-        unknown::{geometry_on, index_of_name},
+        unknown::index_of_name,
     },
     text::syntax::{self, Syntax},
 };
@@ -53,7 +49,7 @@ impl<'s> Applied<'s> {
                 .and_then(|()| {
                     let done = Value::of(setting, syntax).and_then(|value| {
                         removes = value.removes;
-                        apply(model, &steps, &value, syntax)
+                        fill(model, &steps, &value, syntax)
                     });
                     let Some(text) = Value::bare(setting).filter(|_| done.is_err()) else {
                         return done;
@@ -66,7 +62,7 @@ impl<'s> Applied<'s> {
                             .as_ref()
                             .is_err_and(|faults| faults.iter().all(is_syntax));
                     // Where a text is expected, a word is one.
-                    let as_text = apply(model, &steps, &text, syntax);
+                    let as_text = fill(model, &steps, &text, syntax);
                     match &as_text {
                         Err(faults) if !is_text && faults.iter().any(is_no_text) => done,
                         _ => {
@@ -132,35 +128,6 @@ pub(crate) fn path_fault(model: &Model, setting: &Setting, syntax: Syntax) -> Op
     faults
         .into_iter()
         .find(|fault| fault.code == Code::UnknownPath)
-}
-
-fn apply(
-    model: &mut Model,
-    steps: &[Part],
-    value: &Value,
-    syntax: Syntax,
-) -> Result<(), Vec<Diagnostic>> {
-    if let Some((at, rest)) = geometry_on(model, steps) {
-        let path = model.path_of(at);
-        if let Some(geometry) = model.geometry_mut(at) {
-            *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
-                for fault in &mut faults {
-                    if fault.code != Code::UnknownPath {
-                        fault.path = path.join(fault.path.steps());
-                    }
-                }
-                faults
-            })?;
-        }
-        return Ok(());
-    }
-    let geometries = mem::take(&mut model.geometries);
-    let done = patched(model, steps, value, syntax).map(|patched| *model = patched);
-    let is_whole_list = steps.len() == 1 && steps[0].name() == Some(Model::LONG);
-    if done.is_err() || !is_whole_list {
-        model.geometries = geometries;
-    }
-    done
 }
 
 /// Returns true if no text is expected in the place of a value, or the place does not exist.

@@ -1,14 +1,14 @@
 //! Settings of single values from outside of a scene: `PATH=VALUE`.
 //!
-//! A setting changes the model in memory. The geometry that it affects, or the scene without its
-//! geometries, is written as text, the value is inserted into that text, and the text is read again
-//! by the code that reads files. So settings allow exactly what a file does, and report faults in
-//! the same words.
+//! A setting changes the model in memory: its path leads through the things of the format to a slot,
+//! and its value is read there by the code that reads files. So settings allow exactly what a file does,
+//! and report faults in the same words.
 
 mod apply;
+mod fill;
 mod lookup;
 mod parse;
-mod patch;
+mod value;
 
 use std::ops::Range;
 
