@@ -27,7 +27,7 @@ fn add(
     for field in fields {
         found.extend(field.others.iter().map(|other| [*other, field.name]));
         match (field.of_type)().innermost() {
-            Type::Object(object) => add(object.fields, found, seen),
+            Type::Object(object, _) => add(object.fields, found, seen),
             Type::OneOf(one_of) => {
                 for variant in one_of.variants {
                     found.extend(variant.others.iter().map(|other| [*other, variant.name]));

@@ -7,7 +7,6 @@ use crate::{
         format::{
             animation::{CHANGING, Interpolation},
             field::{Field, Kind, Range},
-            geometry::solid::SOLID,
             scene::Model,
             thing::{Needs, Object, OneOf, Set, Thing, Type, Variant},
         },
@@ -39,10 +38,7 @@ pub const SCHEMA_URL: &str = concat!(
 /// ```
 pub fn schema() -> String {
     let mut printer = Printer::default();
-    let mut schema = match Model::of_type() {
-        Type::Object(scene) => printer.object(scene, false),
-        other => printer.of(other),
-    };
+    let mut schema = printer.inline(Model::of_type());
     a_mesh_is_given(&mut printer.definitions);
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     schema["title"] = json!("Scene");
@@ -140,7 +136,7 @@ impl Printer {
                 node
             }
             Type::Tracks => self.tracks(),
-            Type::Object(object) => self.defined(object.name, |it| it.object(object, false)),
+            Type::Object(object, _) => self.defined(object.name, |it| it.inline(of)),
             Type::OneOf(one_of) => self.defined(one_of.name, |it| it.one_of(one_of)),
         }
     }
@@ -171,15 +167,23 @@ impl Printer {
             _ => json!({"type": "number"}),
         };
         if let Some(range) = kind.range() {
-            for (key, bound) in bounds(range) {
+            for (key, _, bound) in bounds(range) {
                 node[key] = bound;
             }
         }
         node
     }
 
+    /// Prints a type in its place, without a definition if it is an object.
+    fn inline(&mut self, of: Type) -> Value {
+        match of {
+            Type::Object(object, is_operand) => self.object(object, is_operand),
+            other => self.of(other),
+        }
+    }
+
     /// Prints an object; one inside of a solid may take the color and the material of that.
-    fn object(&mut self, object: &Object, is_inside: bool) -> Value {
+    fn object(&mut self, object: &Object, is_operand: bool) -> Value {
         let mut node = json!({
             "type": "object",
             "description": object.docs,
@@ -199,7 +203,7 @@ impl Printer {
         for set in object.sets {
             let given = given_of(set, object);
             match set.needs {
-                Needs::One if !is_inside => node["oneOf"] = given,
+                Needs::One if !is_operand => node["oneOf"] = given,
                 Needs::One | Needs::AtMostOne => node["not"] = json!({"allOf": given}),
                 Needs::Any => node["anyOf"] = given,
             }
@@ -219,26 +223,23 @@ impl Printer {
         node
     }
 
-    fn one_of(&mut self, one_of: &OneOf) -> Value {
-        let is_inside = std::ptr::eq(one_of, &*SOLID);
+    fn one_of(&mut self, one_of: &'static OneOf) -> Value {
         let variants = one_of.variants.iter();
-        let variants: Vec<_> = variants.map(|one| self.variant(one, is_inside)).collect();
+        let variants: Vec<_> = variants
+            .map(|one| self.variant(one, Type::OneOf(one_of)))
+            .collect();
         json!({"description": one_of.docs, "oneOf": variants})
     }
 
-    fn variant(&mut self, variant: &Variant, is_inside: bool) -> Value {
+    fn variant(&mut self, variant: &Variant, of: Type) -> Value {
         let (name, docs) = (variant.name, variant.docs);
-        let Some(content) = variant.content else {
+        let Some(content) = of.content(variant) else {
             return json!({"type": "string", "description": docs, "const": name});
-        };
-        let content = match content() {
-            Type::Object(object) => self.object(object, is_inside),
-            other => self.of(other),
         };
         json!({
             "type": "object",
             "description": docs,
-            "properties": {name: content},
+            "properties": {name: self.inline(content)},
             "required": [name],
             "additionalProperties": false,
         })
@@ -337,7 +338,7 @@ fn paths(is_it: fn(Kind) -> bool, end: &str) -> String {
         let way = match (root.of_type)() {
             _ if names.is_empty() => return None,
             Type::Value(_) => return Some(root.name.to_owned()),
-            Type::Object(_) => "\\s*",
+            Type::Object(..) => "\\s*",
             _ => "\\b.*",
         };
         Some(format!("{}{way}\\.\\s*({})", root.name, names.join("|")))
@@ -370,12 +371,12 @@ fn scale() -> Value {
     })
 }
 
-/// Returns the bounds of a range, each with its key.
-fn bounds(range: Range) -> Vec<(&'static str, Value)> {
-    let least = |least: Value| ("minimum", least);
-    let above = |least: u32| ("exclusiveMinimum", json!(least));
-    let most = |most: Value| ("maximum", most);
-    let below = |most: Value| ("exclusiveMaximum", most);
+/// Returns the bounds of a range, each with its key and in words.
+pub(crate) fn bounds(range: Range) -> Vec<(&'static str, &'static str, Value)> {
+    let least = |least: Value| ("minimum", "at least", least);
+    let above = |least: u32| ("exclusiveMinimum", "above", json!(least));
+    let most = |most: Value| ("maximum", "at most", most);
+    let below = |most: Value| ("exclusiveMaximum", "below", most);
     match range {
         Range::Above(low) => vec![above(low)],
         Range::Degrees(low, high) => vec![above(low), below(json!(high))],
@@ -426,7 +427,7 @@ fn or_null(mut node: Value) -> Value {
 }
 
 /// Writes whole numbers without a fraction.
-fn whole(value: Value) -> Value {
+pub(crate) fn whole(value: Value) -> Value {
     match value {
         Value::Array(items) => items.into_iter().map(whole).collect(),
         Value::Number(number) => match number.as_f64() {

@@ -1,10 +1,10 @@
 //! The colors of a text.
 
-use std::{collections::BTreeSet, ops::Range, sync::OnceLock};
+use std::ops::Range;
 
-use super::{ColorPlace, schema_type::Type, spot::Finder};
+use super::{ColorPlace, spot::Finder};
 use crate::{
-    scene::format::color::ColorModel,
+    scene::format::{animation::CHANGING, color::ColorModel, field::Kind as FieldKind},
     text::syntax::{self, Kind, NodeId, Syntax, Tree},
     tracer::color::Color,
 };
@@ -43,7 +43,7 @@ pub(crate) fn colors(
                 let values = tree.fields(id).filter_map(|(key, value)| {
                     // Names are only looked up in front of three numbers.
                     let color = of_numbers(&finder, value)?;
-                    let is_color = names().contains(&*finder.name(key));
+                    let is_color = is_color(&finder.name(key));
                     is_color.then(|| ColorPlace {
                         range: tree.node(value).range(),
                         color,
@@ -101,34 +101,8 @@ fn of_numbers(finder: &Finder, id: NodeId) -> Option<Color> {
     (numbers.next().is_none() && is_finite).then(|| Color::new(r, g, b))
 }
 
-/// Returns the names of all fields that are colors.
-fn names() -> &'static BTreeSet<&'static str> {
-    static NAMES: OnceLock<BTreeSet<&str>> = OnceLock::new();
-    NAMES.get_or_init(|| {
-        let mut names = BTreeSet::new();
-        collect(Type::scene(), &mut names, 0);
-        names
-    })
-}
-
-fn collect(of: Type, names: &mut BTreeSet<&'static str>, depth: usize) {
-    /// No field of the format lies deeper.
-    const DEEPEST: usize = 8;
-    if depth == DEEPEST {
-        return;
-    }
-    for field in of.fields() {
-        if field.value.is_color() {
-            names.insert(field.name);
-        } else {
-            collect(field.value, names, depth + 1);
-        }
-    }
-    let inner = of
-        .variants()
-        .into_iter()
-        .filter_map(|variant| variant.content);
-    for inner in inner.chain(of.element(0)).chain(of.value("")) {
-        collect(inner, names, depth + 1);
-    }
+/// Returns true for the name of a field that is a color.
+fn is_color(name: &str) -> bool {
+    let mut fields = CHANGING.iter().flat_map(|(_, fields)| fields);
+    fields.any(|field| field.kind == FieldKind::Color && field.name == name)
 }

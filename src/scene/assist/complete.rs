@@ -7,18 +7,23 @@ use super::{
     files::files,
     names::{self, Name, NameKind},
     paths::paths,
-    schema_type::{Type, key},
+    sample::{fields, key, sample, sample_of, words_of_field},
     spot::{Finder, Place, Spot},
 };
 use crate::{
-    scene::options::ReadOptions,
+    scene::{
+        format::{
+            field::Kind as FieldKind,
+            scene::Model,
+            thing::{Thing, Type},
+        },
+        options::ReadOptions,
+    },
     text::syntax::{Kind, NodeId, Syntax},
 };
 
-/// The variant whose content is the name of a material, and the list of their definitions.
-const NAMED: (&str, &str) = ("Named", "materials");
-/// The field with the name of the geometry that instances are copies of.
-const COPIED: &str = "of";
+/// The list of the definitions of materials.
+const MATERIALS: &str = "materials";
 /// The number of names of geometries that are offered.
 const GEOMETRIES: usize = 1000;
 /// The number of colors of the scene that are offered.
@@ -68,30 +73,25 @@ pub(super) fn complete(
             keys(*owner, *has_colon, tree.syntax(), is_new)
         }
         Place::Path { has_colon } => paths(finder, *has_colon, first_cut),
-        Place::Value {
-            field: Some((_, name)),
-            value,
-            ..
-        } if name == FILE => files(word, *value, options),
-        Place::Value {
-            field: Some((_, name)),
-            value,
-            ..
-        } if name == COPIED && value.is_text() => geometries(finder),
-        Place::Value { value, variant, .. } => {
-            let is_name = variant.as_deref() == Some(NAMED.0);
-            let names = is_name.then(|| materials(finder));
-            names.unwrap_or_else(|| values(finder, *value))
-        }
+        Place::Value { value, field } => match value {
+            Type::File(endings) => files(word, endings, options),
+            Type::NameOfGeometry => geometries(finder),
+            Type::NameOfMaterial => materials(finder),
+            Type::Flag => {
+                let field = field.as_ref().and_then(|(owner, name)| owner.field(name));
+                flags(field.map_or("", |field| field.docs))
+            }
+            value => values(finder, *value),
+        },
     };
     Completions { range, items }
 }
 
 /// Returns a whole scene, for an empty text.
 fn whole(syntax: Syntax) -> Completion {
-    let scene = Type::scene();
+    let scene = Model::of_type();
     let fields = ["camera", "geometries"].map(|name| {
-        let sample = scene.field(name).map(|field| field.value.sample(syntax));
+        let sample = scene.value(name).map(|value| sample(value, syntax));
         format!("    {}{},\n", key(name, syntax), sample.unwrap_or_default())
     });
     let fields = fields.concat();
@@ -121,22 +121,20 @@ fn keys(
             false => key,
         }
     };
-    let fields = owner
-        .fields()
-        .into_iter()
-        .filter(|field| is_new(field.name));
-    let fields = fields.map(|field| Completion {
+    let fields = fields(owner).into_iter();
+    let fields = fields.filter(|(_, field)| is_new(field.name));
+    let fields = fields.map(|(_, field)| Completion {
         label: field.name.to_owned(),
         insert: written(field.name),
         kind: CompletionKind::Field,
-        detail: field.words(),
-        docs: field.docs().to_owned(),
+        detail: words_of_field(field),
+        docs: field.docs.to_owned(),
     });
     let mut items: Vec<_> = fields.collect();
     // The location of the schema is written by programs.
     items.sort_by_key(|item| item.label.starts_with('$'));
     let variants = owner.variants().into_iter().filter_map(|variant| {
-        let content = variant.content?.sample(syntax);
+        let content = sample(owner.content(&variant)?, syntax);
         Some(Completion {
             label: variant.name.to_owned(),
             insert: match has_colon {
@@ -145,7 +143,7 @@ fn keys(
             },
             kind: CompletionKind::Variant,
             detail: String::new(),
-            docs: variant.docs().to_owned(),
+            docs: variant.docs.to_owned(),
         })
     });
     items.extend(variants);
@@ -154,14 +152,7 @@ fn keys(
 
 fn values(finder: &Finder, value: Type) -> Vec<Completion> {
     let syntax = finder.tree.syntax();
-    let item = |label: &str, insert: String, kind, docs: &str| Completion {
-        label: label.to_owned(),
-        insert,
-        kind,
-        detail: String::new(),
-        docs: docs.to_owned(),
-    };
-    if value.is_color() {
+    if matches!(value, Type::Value(FieldKind::Color)) {
         let mut colors = used_colors(finder);
         let is_new = |color: &&str| !colors.iter().any(|used| used.trim_matches('"') == *color);
         let more = PALETTE.iter().copied().filter(is_new);
@@ -186,22 +177,42 @@ fn values(finder: &Finder, value: Type) -> Vec<Completion> {
             .map(|one| {
                 item(
                     one.name,
-                    one.sample(syntax),
+                    sample_of(value, &one, syntax),
                     CompletionKind::Variant,
-                    one.docs(),
+                    one.docs,
                 )
             })
             .collect();
     }
-    let samples = match () {
-        () if value.is_flag() => vec!["true".to_owned(), "false".to_owned()],
-        () if value.is_struct() => vec![value.sample(syntax)],
-        () => Vec::new(),
-    };
-    samples
-        .into_iter()
-        .map(|sample| item(&sample, sample.clone(), CompletionKind::Value, value.docs()))
-        .collect()
+    match value {
+        Type::Object(..) => {
+            let sample = sample(value, syntax);
+            vec![item(
+                &sample.clone(),
+                sample,
+                CompletionKind::Value,
+                value.docs(),
+            )]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Returns the values of a flag, with its docs.
+fn flags(docs: &str) -> Vec<Completion> {
+    let item = |value: &str| item(value, value.to_owned(), CompletionKind::Value, docs);
+    ["true", "false"].map(item).into()
+}
+
+/// Returns a completion without details.
+fn item(label: &str, insert: String, kind: CompletionKind, docs: &str) -> Completion {
+    Completion {
+        label: label.to_owned(),
+        insert,
+        kind,
+        detail: String::new(),
+        docs: docs.to_owned(),
+    }
 }
 
 /// Returns the colors of the scene that are strings, as they are written.
@@ -230,7 +241,7 @@ fn materials(finder: &Finder) -> Vec<Completion> {
         let found = fields.find(|(key, _)| finder.name(*key) == name);
         found.map(|(_, value)| value)
     };
-    let materials = finder.tree.root().and_then(|root| field(root, NAMED.1));
+    let materials = finder.tree.root().and_then(|root| field(root, MATERIALS));
     let materials = materials
         .into_iter()
         .flat_map(|list| finder.tree.fields(list));
@@ -266,12 +277,12 @@ pub(super) fn hover(finder: &Finder, offset: usize) -> Option<Hover> {
     }
     let of_field = |owner: Type, name: &str| {
         let field = owner.field(name)?;
-        let title = format!("{name}: {}", field.words());
-        Some((title, field.docs()))
+        let title = format!("{name}: {}", words_of_field(field));
+        Some((title, field.docs))
     };
     let of_variant = |owner: Type, name: &str| {
         let variant = owner.variant(name)?;
-        Some((name.to_owned(), variant.docs()))
+        Some((name.to_owned(), variant.docs))
     };
     let (title, docs) = match place {
         Place::Path { .. } => return None,

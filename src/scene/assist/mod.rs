@@ -10,7 +10,7 @@ mod folds;
 mod links;
 mod names;
 mod paths;
-mod schema_type;
+mod sample;
 mod source;
 mod spot;
 mod symbols;
@@ -69,7 +69,7 @@ pub struct Completion {
     pub kind: CompletionKind,
     /// The type in a few words, with its range and default.
     pub detail: String,
-    /// The description in the schema.
+    /// The docs.
     pub docs: String,
 }
 
@@ -80,7 +80,7 @@ pub struct Hover {
     pub range: Range<usize>,
     /// The name with its type.
     pub title: String,
-    /// The description in the schema.
+    /// The docs.
     pub docs: String,
 }
 

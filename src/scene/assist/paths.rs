@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, fmt::Write as _};
 
-use super::{Completion, CompletionKind, names::written, schema_type::key, spot::Finder};
+use super::{Completion, CompletionKind, names::written, sample::key, spot::Finder};
 use crate::{
     scene::{
         format::{field::Field, scene::Model, thing::Type},
@@ -82,7 +82,7 @@ impl Paths<'_, '_> {
     fn add(&mut self, path: &str, of_type: Type, thing: NodeId) {
         let tree = self.finder.tree;
         match of_type {
-            Type::Object(object) => self.add_fields(path, object.fields, thing),
+            Type::Object(object, _) => self.add_fields(path, object.fields, thing),
             Type::OneOf(one_of) => {
                 let inside = body(tree, thing);
                 let name = match inside {

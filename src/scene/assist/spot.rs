@@ -2,8 +2,13 @@
 
 use std::{borrow::Cow, ops::Range};
 
-use super::schema_type::Type;
-use crate::text::syntax::{self, Kind, NodeId, Syntax, Tree};
+use crate::{
+    scene::format::{
+        scene::Model,
+        thing::{Thing, Type},
+    },
+    text::syntax::{self, Kind, NodeId, Syntax, Tree},
+};
 
 /// The place of a cursor.
 #[derive(Debug)]
@@ -29,8 +34,6 @@ pub(super) enum Place<'a> {
     /// A value.
     Value {
         value: Type,
-        /// The name in front of the bracket around it, such as `Named`.
-        variant: Option<Cow<'a, str>>,
         /// The field that it is of.
         field: Option<(Type, Cow<'a, str>)>,
     },
@@ -45,7 +48,6 @@ pub(super) enum Place<'a> {
 struct Around<'a> {
     node: NodeId,
     content: Type,
-    variant: Option<Cow<'a, str>>,
     /// The field that it is the value of.
     field: Option<(Type, Cow<'a, str>)>,
 }
@@ -154,8 +156,7 @@ impl<'a> Finder<'a> {
     fn around(&self, offset: usize) -> Option<Around<'a>> {
         let mut around = Around {
             node: self.tree.root()?,
-            content: Type::scene(),
-            variant: None,
+            content: Model::of_type(),
             field: None,
         };
         if !self.holds(around.node, offset) {
@@ -175,39 +176,33 @@ impl<'a> Finder<'a> {
         let Some(name) = self.tree.node(around.node).name() else {
             return;
         };
-        let name = syntax::name(self.at(name));
-        if let Some(content) = around.content.variant(name).and_then(|one| one.content) {
+        let variant = around.content.variant(syntax::name(self.at(name)));
+        if let Some(content) = variant.and_then(|variant| around.content.content(&variant)) {
             around.content = content;
         }
-        around.variant = Some(name.into());
     }
 
     fn inner(&self, around: &Around<'a>, offset: usize) -> Option<Around<'a>> {
-        let step = |node, content: Option<Type>, field, variant| {
-            Some(Around {
-                node,
-                content: content?,
-                variant,
-                field,
-            })
-        };
         match self.tree.node(around.node).kind() {
             Kind::Struct | Kind::Map => {
                 let mut fields = self.tree.fields(around.node);
                 let (key, node) = fields.find(|(_, value)| self.holds(*value, offset))?;
                 let name = self.name(key);
-                let content = around.content.value(&name);
-                let is_variant = around.content.variant(&name).is_some();
-                let variant = is_variant.then(|| name.clone());
-                step(node, content, Some((around.content, name)), variant)
+                Some(Around {
+                    node,
+                    content: around.content.value(&name)?,
+                    field: Some((around.content, name)),
+                })
             }
             Kind::List | Kind::Tuple => {
-                let mut items = self.tree.children(around.node).enumerate();
-                let (index, node) = items.find(|(_, item)| self.holds(*item, offset))?;
-                let content = around.content.element(index);
-                // The only item of a tuple may be the content of a variant.
-                let content = content.or(Some(around.content));
-                step(node, content, around.field.clone(), None)
+                let mut items = self.tree.children(around.node);
+                let node = items.find(|item| self.holds(*item, offset))?;
+                Some(Around {
+                    node,
+                    // The only item of a tuple may be the content of a variant.
+                    content: around.content.element().unwrap_or(around.content),
+                    field: around.field.clone(),
+                })
             }
             _ => None,
         }
@@ -250,20 +245,19 @@ impl<'a> Finder<'a> {
             let key = self.key_before(end - 1)?;
             return Some(Place::Value {
                 value: content.value(&key)?,
-                variant: content.variant(&key).map(|_| key.clone()),
                 field: Some((content, key)),
             });
         }
         if !matches!(before, '(' | '[' | '{' | ',') {
             return None;
         }
-        if content.has_paths() && kind == Kind::Map {
+        if matches!(content, Type::Tracks) && kind == Kind::Map {
             let after = self.at(range.end..self.text.len());
             let has_colon = after.trim_start().starts_with(':');
             return Some(Place::Path { has_colon });
         }
-        let has_keys =
-            content.is_struct() || self.tree.syntax() == Syntax::Json && kind == Kind::Map;
+        let has_keys = matches!(content, Type::Object(..))
+            || self.tree.syntax() == Syntax::Json && kind == Kind::Map;
         if has_keys && kind != Kind::List {
             let after = self.at(range.end..self.text.len());
             let given = self.tree.fields(around.node).map(|(key, _)| key);
@@ -274,14 +268,8 @@ impl<'a> Finder<'a> {
                 has_colon: after.trim_start().starts_with(':'),
             });
         }
-        let items = self.tree.children(around.node);
-        let index = items
-            .filter(|item| self.tree.node(*item).range().end < range.start)
-            .count();
-        let value = content.element(index).unwrap_or(content);
         Some(Place::Value {
-            value,
-            variant: around.variant.clone(),
+            value: content.element().unwrap_or(content),
             field: around.field.clone(),
         })
     }

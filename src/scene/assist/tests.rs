@@ -50,6 +50,16 @@ fn inserted(marked: &str, label: &str) -> String {
 }
 
 #[test]
+fn an_object_without_fields_is_empty() {
+    let text = "(camera: Fit(projection: |))";
+    let whole = "(camera: Fit(projection: Orthographic()))";
+    assert_eq!(inserted(text, "Orthographic"), whole);
+    let text = r#"{"camera": {"Fit": {"projection": |}}}"#;
+    let whole = r#"{"camera": {"Fit": {"projection": {"Orthographic": {}}}}}"#;
+    assert_eq!(inserted(text, "Orthographic"), whole);
+}
+
+#[test]
 fn fields_that_are_not_given_yet() {
     check("(|)", &["geometries", "camera", "allow"], &[]);
     check("(\n  geometries: [],\n  |\n)", &[], &["geometries"]);

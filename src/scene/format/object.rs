@@ -133,7 +133,7 @@ macro_rules! object {
                             needs: thing::Needs::$needs,
                         }),*],
                     };
-                    thing::Type::Object(&OBJECT)
+                    thing::Type::Object(&OBJECT, false)
                 }
 
                 fn fields(&self) -> &'static [field::Field] {

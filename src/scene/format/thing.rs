@@ -44,8 +44,8 @@ pub(crate) enum Type {
     Map(fn() -> Type, Option<&'static str>),
     /// The tracks of an animation.
     Tracks,
-    /// An object.
-    Object(&'static Object),
+    /// An object; true for one inside of a solid, which may take the color and the material of that.
+    Object(&'static Object, bool),
     /// One of several objects or words.
     OneOf(&'static OneOf),
 }
@@ -62,13 +62,92 @@ impl Type {
     /// Returns the fields of the object, or those of all variants.
     pub(crate) fn fields(self) -> impl Iterator<Item = &'static Field> {
         let (object, variants): (&[Field], &[Variant]) = match self {
-            Self::Object(object) => (object.fields, &[]),
+            Self::Object(object, _) => (object.fields, &[]),
             Self::OneOf(one_of) => (&[], one_of.variants),
             _ => (&[], &[]),
         };
         object
             .iter()
             .chain(variants.iter().flat_map(|variant| variant.fields()))
+    }
+}
+
+impl Type {
+    /// Returns a field of an object.
+    pub(crate) fn field(self, name: &str) -> Option<&'static Field> {
+        match self {
+            Self::Object(object, _) => object.fields.iter().find(|field| field.name == name),
+            _ => None,
+        }
+    }
+
+    /// Returns the objects or words of which a value is one.
+    pub(crate) fn variants(self) -> Vec<Variant> {
+        match self {
+            Self::OneOf(one_of) => one_of.variants.to_vec(),
+            Self::Word(words) => {
+                let all = (words.all)().into_iter();
+                let all = all.map(|name| Variant {
+                    name,
+                    docs: "",
+                    others: &[],
+                    content: None,
+                });
+                all.collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Returns one of them by its name.
+    pub(crate) fn variant(self, name: &str) -> Option<Variant> {
+        self.variants().into_iter().find(|one| one.name == name)
+    }
+
+    /// Returns the type of the content of a variant; `None` for a word.
+    pub(crate) fn content(self, variant: &Variant) -> Option<Self> {
+        Some(match (variant.content?(), self) {
+            (Self::Object(object, _), Self::OneOf(one_of)) => {
+                Self::Object(object, one_of.are_operands)
+            }
+            (content, _) => content,
+        })
+    }
+
+    /// Returns the type of what an object, a map or one of several has under a name.
+    pub(crate) fn value(self, name: &str) -> Option<Self> {
+        match self {
+            Self::Object(..) => self.field(name).map(|field| (field.of_type)()),
+            Self::Map(value, _) => Some(value()),
+            _ => self.content(&self.variant(name)?),
+        }
+    }
+
+    /// Returns the type of an element of a list or of several numbers.
+    pub(crate) fn element(self) -> Option<Self> {
+        match self {
+            Self::List(element, _) | Self::Tuple(element, _) => Some(element()),
+            Self::Matrix => Some(Self::Tuple(|| Self::Value(Kind::Number), 4)),
+            Self::Value(kind) if kind.has_elements() => Some(Self::Value(Kind::Number)),
+            _ => None,
+        }
+    }
+
+    /// Returns true for any string that is neither a color nor one of several words.
+    pub(crate) const fn is_text(self) -> bool {
+        matches!(
+            self,
+            Self::Text | Self::Name | Self::NameOfGeometry | Self::NameOfMaterial | Self::File(_)
+        )
+    }
+
+    /// Returns the docs.
+    pub(crate) const fn docs(self) -> &'static str {
+        match self {
+            Self::Object(object, _) => object.docs,
+            Self::OneOf(one_of) => one_of.docs,
+            _ => "",
+        }
     }
 }
 
@@ -103,6 +182,8 @@ pub(crate) struct OneOf {
     pub(crate) name: &'static str,
     pub(crate) docs: &'static str,
     pub(crate) variants: &'static [Variant],
+    /// True if they are inside of a solid.
+    pub(crate) are_operands: bool,
 }
 
 /// One of several objects or words.
@@ -120,7 +201,7 @@ impl Variant {
     /// Returns the fields of the object.
     pub(crate) fn fields(self) -> &'static [Field] {
         match self.content.map(|of_type| of_type()) {
-            Some(Type::Object(object)) => object.fields,
+            Some(Type::Object(object, _)) => object.fields,
             _ => &[],
         }
     }

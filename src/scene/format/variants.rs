@@ -47,6 +47,7 @@ macro_rules! variants {
                         name: $name,
                         docs: object::docs!($([$($meta)*])*),
                         variants: $model::VARIANTS,
+                        are_operands: false,
                     };
                     thing::Type::OneOf(&ONE_OF)
                 }
@@ -132,6 +133,7 @@ macro_rules! words {
                             content: $crate::scene::format::variants::words!(@content $($of)?),
                         },
                     )*],
+                    are_operands: false,
                 };
                 thing::Type::OneOf(&ONE_OF)
             }

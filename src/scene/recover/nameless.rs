@@ -135,7 +135,7 @@ fn objects(variant: &str) -> impl Iterator<Item = &'static Object> {
     let variants = ALL.iter().flat_map(|one_of| one_of.variants);
     let variants = variants.filter(move |one| one.name == variant);
     variants.filter_map(|one| match one.content?() {
-        Type::Object(object) => Some(object),
+        Type::Object(object, _) => Some(object),
         _ => None,
     })
 }
@@ -211,7 +211,7 @@ fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
 /// Returns true if an object has this field, or if one of several has this name.
 fn has(of_type: Type, name: &str) -> bool {
     match of_type {
-        Type::Object(object) => object.fields.iter().any(|field| field.name == name),
+        Type::Object(object, _) => object.fields.iter().any(|field| field.name == name),
         Type::OneOf(one_of) => {
             let mut variants = one_of.variants.iter();
             variants.any(|one| one.name == name && one.content.is_some())

@@ -163,7 +163,7 @@ impl<'a> Fill<'a> {
                 return Err(vec![self.not_given(self.path.len().saturating_sub(1))]);
             };
             let (variant, fields) = match of_type {
-                Some(Type::Object(object)) => (None, object.fields),
+                Some(Type::Object(object, _)) => (None, object.fields),
                 Some(Type::OneOf(OneOf { variants, .. })) => {
                     let known = variant.take();
                     let known = known.and_then(|name| variants.iter().find(|it| it.name == name));
@@ -172,7 +172,7 @@ impl<'a> Fill<'a> {
                 }
                 _ => (None, &[][..]),
             };
-            let is_object = matches!(of_type, Some(Type::Object(_) | Type::OneOf(_)));
+            let is_object = matches!(of_type, Some(Type::Object(..) | Type::OneOf(_)));
             let [open, close] = match self.syntax {
                 Syntax::Ron if is_object => ['(', ')'],
                 Syntax::Ron | Syntax::Json => ['{', '}'],

@@ -41,7 +41,7 @@ pub(crate) const SOLIDS: &[&str] = &[
 ];
 
 /// A solid inside of another one.
-pub(crate) static SOLID: LazyLock<OneOf> = LazyLock::new(|| {
+static SOLID: LazyLock<OneOf> = LazyLock::new(|| {
     static VARIANTS: LazyLock<Vec<Variant>> = LazyLock::new(|| {
         let all = GeometryModel::VARIANTS.iter().copied();
         all.filter(|variant| SOLIDS.contains(&variant.name))
@@ -52,6 +52,7 @@ pub(crate) static SOLID: LazyLock<OneOf> = LazyLock::new(|| {
         docs: "A solid, inside of another one. Its color or material may be that of the solid around \
                it.",
         variants: &VARIANTS,
+        are_operands: true,
     }
 });
 
