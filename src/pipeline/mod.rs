@@ -198,11 +198,12 @@ impl TryFrom<Document> for Scene {
         let cancel = cancel.as_ref();
         let (mut model, mut tables, warnings) = document.into_parts()?;
         // Validation found no errors, so none of these calls fails.
-        let moving = Moving::of(&model, &tables).map(Arc::new);
-        if let Some(moving) = &moving {
-            let shown = moving.show(0, &mut model, &mut tables);
+        let mut moving = Moving::of(&model, &tables);
+        if let Some(moving) = &mut moving {
+            let shown = moving.start(&mut model, &mut tables);
             shown.map_err(|error| refused(&name, &error))?;
         }
+        let moving = moving.map(Arc::new);
         let file: Arc<str> = name.into();
         let image = model.image.clone().unwrap_or_default();
         let (width, height) = image.sides();

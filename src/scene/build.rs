@@ -9,7 +9,9 @@ use crate::{
         format::{
             color::ColorModel,
             geometry::{
-                GeometryModel, GroupModel, InstancesModel, nesting::Ordinal, placement::Placement,
+                GeometryModel, GroupModel, InstancesModel,
+                nesting::{Leaf, Ordinal},
+                placement::Placement,
             },
             light::LightModel,
             lighting::LightingModel,
@@ -39,23 +41,17 @@ pub(crate) fn world(
     tables: Tables,
     cancel: Option<&Cancel>,
 ) -> Result<Built, GeometryError> {
-    let background = model
-        .background
-        .as_ref()
-        .map_or(Color::BLACK, ColorModel::build);
     let materials = Materials::of(model.materials.as_ref())?;
-    let lighting = lighting(&model, &tables)?;
+    let surroundings = surroundings(&model, &tables)?;
     let BuiltList {
         geometries,
         origins,
         scales,
     } = geometries(model.geometries, &materials, tables, cancel)?;
-    let world = World::new(geometries, background);
+    let mut world = World::new(geometries, Color::BLACK);
+    world.surround(surroundings);
     Ok(Built {
-        world: match lighting {
-            Some(lighting) => world.lit(lighting),
-            None => world,
-        },
+        world,
         origins,
         scales,
     })
@@ -152,11 +148,59 @@ pub(crate) fn add_copies(
     copy(model, tables, all, admits);
 }
 
-/// Makes those copies anew after a change of the scene.
-pub(crate) fn renew_copies(model: &Model, tables: &mut Tables) {
-    let all = model.instances();
-    let all = all.filter(|(at, _)| tables.instances(*at).is_some());
-    copy(model, tables, all.collect(), |_, _| true);
+/// Follows a change of some leaves of a scene in its tables, parts and copies.
+///
+/// # Errors
+///
+/// The first part that f64 cannot place as it is asked. The copies are made anyway.
+pub(crate) fn renew(
+    model: &Model,
+    tables: &mut Tables,
+    changed: &[Ordinal],
+) -> Result<(), GeometryError> {
+    let placed = changed.iter().try_for_each(|at| tables.renew(*at, model));
+    let copies = changed.iter().filter_map(|at| match model.geometry(*at)? {
+        GeometryModel::Instances(named) => tables.instances(*at).map(|_| (*at, &**named)),
+        _ => None,
+    });
+    copy(model, tables, copies.collect(), |_, _| true);
+    placed
+}
+
+/// Replaces some leaves of a scene, given with the indices of their geometries in a world, by what they
+/// are now; so are the background and the lights. The values of tables follow. Returns false, and leaves
+/// the world unfinished, if a leaf has another number of geometries now.
+///
+/// # Errors
+///
+/// Those of [`world`].
+pub(crate) fn replace(
+    changed: &[(Ordinal, Range<usize>)],
+    (model, tables): (&Model, &Tables),
+    world: &mut World,
+    scales: &mut Arc<Scales>,
+) -> Result<bool, GeometryError> {
+    let materials = Materials::of(model.materials.as_ref())?;
+    world.surround(surroundings(model, tables)?);
+    for changed in changed.chunk_by(|(one, _), (next, _)| one.index == next.index) {
+        let mut changed = changed.iter().peekable();
+        let index = changed.peek().map_or(0, |(at, _)| at.index);
+        for leaf in model.leaves_in(index.into()) {
+            let Some((_, indices)) = changed.next_if(|(at, _)| *at == leaf.at) else {
+                continue;
+            };
+            let mut built = Vec::new();
+            let scale = add_leaf(&leaf, tables, &materials, &mut built)?;
+            if built.len() != indices.len() {
+                return Ok(false);
+            }
+            if let Some(scale) = scale {
+                Arc::make_mut(scales).replace(world.id_of(indices.start, 0), scale);
+            }
+            world.replace(indices.start, built);
+        }
+    }
+    Ok(true)
 }
 
 fn copy(
@@ -194,24 +238,22 @@ fn copy(
 /// Builds a geometry in its own space, without what is around it; a table, a part and a group are
 /// several.
 fn prototype(model: &Model, tables: &Tables, at: Ordinal) -> Result<Vec<Geometry>, GeometryError> {
-    let Some(geometry) = model.geometry(at) else {
-        return Ok(Vec::new());
-    };
     let materials = Materials::of(model.materials.as_ref())?;
-    if let Some(built) = geometry.build(&materials) {
-        return Ok(vec![built?]);
+    let own = model.geometry(at).and_then(GeometryModel::transform);
+    let outer = model.transforms(at).len() - usize::from(own.is_some());
+    let mut all = Vec::new();
+    for leaf in model.leaves_in(at) {
+        match tables.get(leaf.at) {
+            Some(Content::Part {
+                read, transforms, ..
+            }) if outer > 0 => {
+                let inner = transforms.get(outer..).unwrap_or_default();
+                all.extend(read.placed(inner)?.geometries);
+            }
+            _ => drop(add_leaf(&leaf, tables, &materials, &mut all)?),
+        }
     }
-    let mut builder = Builder {
-        materials: &materials,
-        tables: tables.inside(model, at)?,
-        scales: Scales::default(),
-        all: Vec::new(),
-        ids: 0,
-        cancel: None,
-    };
-    let (origin, placement) = (Origin::default(), Placement::default());
-    builder.content(geometry.clone(), &mut at.clone(), &origin, &placement)?;
-    Ok(builder.all)
+    Ok(all)
 }
 
 /// The building of geometries that stand for several.
@@ -248,22 +290,22 @@ impl Builder<'_> {
         placement: &Placement,
     ) -> Result<BuiltContent, GeometryError> {
         let first = self.ids;
-        let content = match (self.tables.take(*at), model) {
-            (Some(Content::Table(table, file)), model) => {
-                self.table(&model, &table, origin, placement)?;
-                SpanContent::Table(RowsOf::new(&table, file))
+        let found = self.tables.take(*at);
+        if let Some(content) = &found {
+            let (materials, all) = (self.materials, &mut self.all);
+            let scale = add(content, &model, placement, materials, all, self.cancel)?;
+            if let Some(scale) = scale {
+                self.scales.add(origin.clone(), first, scale);
             }
+            self.ids += content.count();
+        }
+        let content = match (found, model) {
+            (Some(Content::Table(table, file)), _) => SpanContent::Table(RowsOf::new(&table, file)),
             (Some(Content::Part { part, .. }), _) => {
                 self.scales.add_part(origin, first, &part.places);
-                self.all.extend_from_slice(&part.geometries);
-                self.ids += part.count();
                 SpanContent::Part(Arc::clone(&part.places))
             }
             (Some(Content::Instances(instances, table)), _) => {
-                if let Some(all) = instances.placed(placement) {
-                    self.all.push(all?);
-                    self.ids += instances.count();
-                }
                 SpanContent::Instances(Arc::clone(&instances.of), table)
             }
             (None, GeometryModel::Group(group)) => {
@@ -308,46 +350,85 @@ impl Builder<'_> {
         }
         Ok(origins)
     }
-
-    fn table(
-        &mut self,
-        model: &GeometryModel,
-        table: &Table,
-        origin: &Origin,
-        placement: &Placement,
-    ) -> Result<(), GeometryError> {
-        let material = model.surface().material;
-        let material = material.map(|material| self.materials.of_model(material));
-        let first = self.ids;
-        let mut scale = Scale::new(model, table);
-        rows(
-            table,
-            material.transpose()?.as_ref(),
-            scale.as_mut(),
-            placement,
-            &mut self.all,
-            self.cancel,
-        )?;
-        self.ids += table.rows();
-        if let Some(scale) = scale {
-            self.scales.add(origin.clone(), first, scale);
-        }
-        Ok(())
-    }
 }
 
-/// Builds the lighting of a scene, if it is lit: its own lights, then those of its parts.
-fn lighting(model: &Model, tables: &Tables) -> Result<Option<Lighting>, GeometryError> {
+/// Adds the geometries that a leaf stands for, as [`add`].
+fn add_leaf(
+    leaf: &Leaf,
+    tables: &Tables,
+    materials: &Materials,
+    all: &mut Vec<Geometry>,
+) -> Result<Option<Scale>, GeometryError> {
+    if let Some(content) = tables.get(leaf.at) {
+        return add(
+            content,
+            leaf.geometry,
+            &leaf.placement,
+            materials,
+            all,
+            None,
+        );
+    }
+    if let Some(built) = leaf.geometry.build(materials) {
+        all.push(built?.map_shape(|shape| leaf.placement.place(shape))?);
+    }
+    Ok(None)
+}
+
+/// Adds the geometries of a file or the copies that a geometry names. Returns the values of a table
+/// that determine its colors.
+fn add(
+    content: &Content,
+    model: &GeometryModel,
+    placement: &Placement,
+    materials: &Materials,
+    all: &mut Vec<Geometry>,
+    cancel: Option<&Cancel>,
+) -> Result<Option<Scale>, GeometryError> {
+    match content {
+        Content::Table(table, _) => {
+            let material = model.surface().material;
+            let material = material.map(|material| materials.of_model(material));
+            let material = material.transpose()?;
+            let mut scale = Scale::new(model, table);
+            rows(
+                table,
+                material.as_ref(),
+                scale.as_mut(),
+                placement,
+                all,
+                cancel,
+            )?;
+            return Ok(scale);
+        }
+        Content::Part { part, .. } => all.extend_from_slice(&part.geometries),
+        Content::Instances(instances, _) => {
+            if let Some(copies) = instances.placed(placement) {
+                all.push(copies?);
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// Builds the background of a scene and its lighting, if it is lit: its own lights, then those of its
+/// parts.
+fn surroundings(
+    model: &Model,
+    tables: &Tables,
+) -> Result<(Color, Option<Lighting>), GeometryError> {
+    let background = model.background.as_ref();
+    let background = background.map_or(Color::BLACK, ColorModel::build);
     let mut of_parts = tables.lights().peekable();
     if model.lights.is_none() && of_parts.peek().is_none() {
-        return Ok(None);
+        return Ok((background, None));
     }
     let own = model.lights.iter().flatten();
     let mut lights: Vec<_> = own.map(LightModel::build).collect::<Result<_, _>>()?;
     lights.extend(of_parts.flatten().map(|(_, light)| *light));
     let depth = model.lighting.as_ref().map(LightingModel::max_depth);
     let max_depth = depth.unwrap_or(Lighting::MAX_DEPTH);
-    Ok(Some(Lighting { lights, max_depth }))
+    Ok((background, Some(Lighting { lights, max_depth })))
 }
 
 /// Builds the rows of a table. The color of a row replaces the first color of the material.

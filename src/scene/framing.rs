@@ -218,14 +218,15 @@ impl<'a> Content<'a> {
                 *largest = largest.max(radius(shown, *at).unwrap_or(*largest));
             }
         }
+        let mut tables = tables.clone();
         for (largest, at) in largest.into_iter().zip(changing) {
             let geometry = shown.geometry_mut(at);
             if let Some(Slot::Number(radius)) = geometry.and_then(|table| table.slot(RADIUS)) {
                 *radius = largest;
             }
+            // A table is always placed.
+            let _ = tables.renew(at, shown);
         }
-        let mut tables = tables.clone();
-        tables.set_defaults(shown);
         Some(tables)
     }
 
@@ -260,15 +261,14 @@ impl<'a> Content<'a> {
             (&mut self.moving, framing.subject)
         {
             let tables = self.tables.as_ref().unwrap_or(tables);
-            let mut parts = self.movers.parts(tables);
+            let mut moved = tables.clone();
             for (place, number) in self.numbers.iter().enumerate() {
                 if framing.is_cancelled() {
                     break;
                 }
                 frames.show(*number, shown);
                 let turned = turntable.map(|turntable| (turntable, place));
-                self.movers
-                    .add(&mut extremes, shown, (tables, &mut parts), turned);
+                self.movers.add(&mut extremes, shown, &mut moved, turned);
             }
         }
         extremes
@@ -351,7 +351,7 @@ mod tests {
         let mut shown = frames.copy(model);
         for (place, number) in content.numbers.iter().enumerate() {
             frames.show(*number, &mut shown);
-            build::renew_copies(&shown, &mut tables);
+            build::renew(&shown, &mut tables, &moved).unwrap();
             for leaf in shown.leaves().filter(|leaf| moved.contains(&leaf.at)) {
                 tables.any_shape(&leaf, |shape| add(shape, place..place + 1));
             }

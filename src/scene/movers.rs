@@ -29,7 +29,12 @@ use crate::{
 
 /// The leaves of a scene that move, in the order of the file.
 #[derive(Default)]
-pub(crate) struct Movers(Vec<Mover>);
+pub(crate) struct Movers {
+    all: Vec<Mover>,
+    /// The leaves whose tables, parts and copies change: those alone, and all if some of them are
+    /// copies, maybe of others.
+    renewed: Vec<Ordinal>,
+}
 
 enum Mover {
     /// A leaf that changes its size, or copies that change.
@@ -84,37 +89,35 @@ impl Movers {
             });
         }
         finish(last, &mut movers);
-        Self(movers)
-    }
-
-    /// Returns the tables that [`Movers::add`] changes.
-    pub(crate) fn parts(&self, tables: &Tables) -> Tables {
-        let alone = self.0.iter().filter_map(|mover| match mover {
+        let alone = movers.iter().filter_map(|mover| match mover {
             Mover::Alone(at) => Some(*at),
             Mover::Together(..) => None,
         });
-        tables.some_parts(&alone.collect::<Vec<_>>())
+        let alone: Vec<_> = alone.collect();
+        let has_copies = alone.iter().any(|at| tables.instances(*at).is_some());
+        Self {
+            renewed: if has_copies { moved.into() } else { alone },
+            all: movers,
+        }
     }
 
-    /// Adds all that moves as it is in a frame that is shown; for a camera that orbits, the place of
-    /// the frame among its turns.
+    /// Adds all that moves as it is in a frame that is shown, with its tables; for a camera that orbits,
+    /// the place of the frame among its turns.
     pub(crate) fn add(
         &self,
         extremes: &mut Extremes,
         shown: &Model,
-        (tables, parts): (&Tables, &mut Tables),
+        tables: &mut Tables,
         turned: Option<(&Turntable, usize)>,
     ) {
         // A part that a frame cannot place is an error of that frame.
-        let _ = parts.place(shown);
-        build::renew_copies(shown, parts);
-        for mover in &self.0 {
+        let _ = build::renew(shown, tables, &self.renewed);
+        for mover in &self.all {
             match mover {
                 Mover::Alone(at) => {
                     let Some(leaf) = shown.leaf(*at) else {
                         continue;
                     };
-                    let tables = if parts.has(*at) { &*parts } else { tables };
                     tables.any_shape(&leaf, |shape| {
                         match turned {
                             None => extremes.add(shape),

@@ -88,6 +88,14 @@ impl Scales {
         });
     }
 
+    /// Replaces the values of the table whose first row has an index in the world.
+    pub(crate) fn replace(&mut self, first: usize, scale: Scale) {
+        let found = self.0.iter_mut().find(|placed| placed.first == first);
+        if let Some(placed) = found {
+            placed.scale = scale.into();
+        }
+    }
+
     /// Adds the tables of a part, which are not copied.
     pub(crate) fn add_part(&mut self, origin: &Origin, first: usize, part: &Arc<Places>) {
         let place = |placed: &Placed| (Arc::clone(part), placed.origin.clone());

@@ -45,7 +45,7 @@ pub(crate) struct Tables(BTreeMap<Ordinal, Content>);
 #[derive(Clone, Debug)]
 pub(crate) enum Content {
     /// A table and its file.
-    Table(Box<Table>, Option<Arc<TableFile>>),
+    Table(Arc<Table>, Option<Arc<TableFile>>),
     Part {
         /// The part as it is in its file.
         read: Arc<Part>,
@@ -61,7 +61,7 @@ pub(crate) enum Content {
 
 impl Content {
     /// The table, if it is one.
-    const fn table(&self) -> Option<&Table> {
+    fn table(&self) -> Option<&Table> {
         match self {
             Self::Table(table, _) => Some(table),
             Self::Part { .. } | Self::Instances(..) => None,
@@ -82,6 +82,54 @@ impl Content {
             Self::Instances(instances, _) => Some(instances),
             Self::Table(..) | Self::Part { .. } => None,
         }
+    }
+
+    /// The number of geometries in the world; copies are one.
+    pub(crate) fn length(&self) -> usize {
+        match self {
+            Self::Table(table, _) => table.rows(),
+            Self::Part { part, .. } => part.geometries.len(),
+            Self::Instances(instances, _) => usize::from(instances.count() > 0),
+        }
+    }
+
+    /// Follows a change of the geometry that names it: a table takes the defaults that it gives, and a part
+    /// is placed by its transforms.
+    ///
+    /// # Errors
+    ///
+    /// A part that f64 cannot place as it is asked. One whose transform alone is invalid stays as it
+    /// is: validation reports it.
+    fn renew(&mut self, at: Ordinal, model: &Model) -> Result<(), GeometryError> {
+        match self {
+            Self::Table(table, _) => {
+                if let Some(named) = model.geometry(at).and_then(GeometryModel::table) {
+                    let given = defaults(&named, model.materials.as_ref(), table.format());
+                    Arc::make_mut(table).set_defaults(&given);
+                }
+            }
+            Self::Part {
+                read,
+                part,
+                transforms,
+                ..
+            } => {
+                let asked = model.transforms(at).into_iter().map(TransformModel::build);
+                let Ok(asked) = asked.collect::<Result<Vec<_>, _>>() else {
+                    return Ok(());
+                };
+                if !asked.iter().eq(transforms.iter().map(|one| &**one)) {
+                    let asked: Vec<_> = asked.into_iter().map(Arc::new).collect();
+                    *part = match &*asked {
+                        [] => Arc::clone(read),
+                        asked => Arc::new(read.placed(asked)?),
+                    };
+                    *transforms = asked;
+                }
+            }
+            Self::Instances(..) => {}
+        }
+        Ok(())
     }
 
     /// The number of geometries.
@@ -159,7 +207,7 @@ pub(crate) fn read(
                 let table = Some(RowsOf::new(&table, file.map(Arc::new)));
                 Content::Instances(Instances::new(instances, &[], rows).into(), table)
             }
-            _ => Content::Table(Box::new(table), file.map(Arc::new)),
+            _ => Content::Table(Arc::new(table), file.map(Arc::new)),
         };
         tables.insert(at, content);
     }
@@ -299,34 +347,17 @@ impl Tables {
     /// Returns the first part that f64 cannot place as it is asked. Those whose transform alone is
     /// invalid stay as they are: validation reports it.
     pub(crate) fn place(&mut self, model: &Model) -> Result<(), (Ordinal, GeometryError)> {
-        for (at, content) in &mut self.0 {
-            let Content::Part {
-                read,
-                part,
-                transforms,
-                ..
-            } = content
-            else {
-                continue;
-            };
-            let asked = model.transforms(*at).into_iter().map(TransformModel::build);
-            let Ok(asked) = asked.collect::<Result<Vec<_>, _>>() else {
-                continue;
-            };
-            if asked
-                .iter()
-                .eq(transforms.iter().map(|transform| &**transform))
-            {
-                continue;
-            }
-            let asked: Vec<_> = asked.into_iter().map(Arc::new).collect();
-            *part = match &*asked {
-                [] => Arc::clone(read),
-                asked => Arc::new(read.placed(asked).map_err(|error| (*at, error))?),
-            };
-            *transforms = asked;
-        }
-        Ok(())
+        let mut parts = self.0.iter_mut();
+        parts.try_for_each(|(at, content)| match content {
+            Content::Part { .. } => content.renew(*at, model).map_err(|error| (*at, error)),
+            Content::Table(..) | Content::Instances(..) => Ok(()),
+        })
+    }
+
+    /// Follows a change of the scene, as [`Content::renew`].
+    pub(crate) fn renew(&mut self, at: Ordinal, model: &Model) -> Result<(), GeometryError> {
+        let content = self.0.get_mut(&at);
+        content.map_or(Ok(()), |content| content.renew(at, model))
     }
 
     /// Adds the copies that a geometry is, or replaces them. Those of a table keep it.
@@ -339,65 +370,14 @@ impl Tables {
         self.0.insert(geometry, content);
     }
 
-    /// Returns the tables and parts of a geometry and of those inside of it, placed by no transform
-    /// that is around it.
-    ///
-    /// # Errors
-    ///
-    /// A part that f64 cannot place as it is asked.
-    pub(crate) fn inside(&self, model: &Model, around: Ordinal) -> Result<Self, GeometryError> {
-        let own = model.geometry(around).and_then(GeometryModel::transform);
-        let outer = model.transforms(around).len() - usize::from(own.is_some());
-        let all = self
-            .0
-            .iter()
-            .filter(|(at, _)| **at == around || model.holds(around, **at));
-        let all = all.map(|(at, content)| {
-            let mut content = content.clone();
-            if let Content::Part {
-                read,
-                part,
-                transforms,
-                ..
-            } = &mut content
-                && outer > 0
-            {
-                transforms.drain(..outer.min(transforms.len()));
-                *part = Arc::new(read.placed(transforms)?);
-            }
-            Ok((*at, content))
-        });
-        Ok(Self(all.collect::<Result<_, GeometryError>>()?))
-    }
-
-    /// Returns a copy of the parts that some geometries name; of all, if one of these is copies.
-    pub(crate) fn some_parts(&self, geometries: &[Ordinal]) -> Self {
-        if geometries.iter().any(|at| self.instances(*at).is_some()) {
-            return self.clone();
-        }
-        let all = geometries.iter().filter_map(|at| {
-            let content = self.0.get(at)?;
-            content.part().map(|_| (*at, content.clone()))
-        });
-        Self(all.collect())
-    }
-
     /// Returns true if there are no tables, no parts and no copies.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Replaces the defaults of the tables by those of these geometries.
-    pub(crate) fn set_defaults(&mut self, model: &Model) {
-        for (at, content) in &mut self.0 {
-            let named = model.geometry(*at).and_then(GeometryModel::table);
-            if let Content::Table(table, _) = content
-                && let Some(named) = named
-            {
-                let format = table.format();
-                table.set_defaults(&defaults(&named, model.materials.as_ref(), format));
-            }
-        }
+    /// What a geometry names or holds, if it has been read.
+    pub(crate) fn get(&self, geometry: Ordinal) -> Option<&Content> {
+        self.0.get(&geometry)
     }
 
     /// Removes and returns a table or a part.

@@ -1,5 +1,7 @@
 //! The geometries, the background and the lights of a scene.
 
+use std::mem;
+
 use glam::DVec3;
 
 use crate::tracer::{
@@ -38,8 +40,8 @@ pub struct World {
     geometries: Vec<Geometry>,
     background: Color,
     lighting: Option<Lighting>,
-    /// True if the material of some geometry depends on the point.
-    is_motley: bool,
+    /// The number of geometries whose material depends on the point.
+    motley: usize,
     /// The lists of copies, in their order.
     lists: Vec<List>,
 }
@@ -85,7 +87,7 @@ impl World {
             ..Self::default()
         };
         for (index, geometry) in geometries.iter().enumerate() {
-            world.is_motley |= is_motley(geometry);
+            world.motley += usize::from(is_motley(geometry));
             world.note(index, geometry);
         }
         world.geometries = geometries;
@@ -114,9 +116,29 @@ impl World {
 
     /// Appends a geometry.
     pub fn push(&mut self, geometry: Geometry) {
-        self.is_motley |= is_motley(&geometry);
+        self.motley += usize::from(is_motley(&geometry));
         self.note(self.geometries.len(), &geometry);
         self.geometries.push(geometry);
+    }
+
+    /// Replaces geometries by as many others; copies by copies.
+    pub(crate) fn replace(&mut self, first: usize, by: Vec<Geometry>) {
+        for (place, geometry) in self.geometries.iter_mut().skip(first).zip(by) {
+            self.motley += usize::from(is_motley(&geometry));
+            self.motley -= usize::from(is_motley(place));
+            *place = geometry;
+        }
+        let geometries = mem::take(&mut self.geometries);
+        for list in mem::take(&mut self.lists) {
+            self.note(list.index, &geometries[list.index]);
+        }
+        self.geometries = geometries;
+    }
+
+    /// Replaces the background and the lights.
+    pub(crate) fn surround(&mut self, (background, lighting): (Color, Option<Lighting>)) {
+        self.background = background;
+        self.lighting = lighting;
     }
 
     /// Notes a geometry with an index behind all others, if it is a list of copies.
@@ -183,7 +205,7 @@ impl World {
             geometries,
             background,
             lighting,
-            is_motley: _,
+            motley: _,
             lists: _,
         } = self;
         (geometries, *background, lighting.as_ref())
@@ -222,7 +244,7 @@ impl World {
     /// Returns true if the material of some geometry depends on the point, so that even a flat
     /// picture is shaded sample by sample.
     pub(crate) const fn is_motley(&self) -> bool {
-        self.is_motley
+        self.motley > 0
     }
 
     /// Returns the nearest hit in front of the ray's origin, with the index of the geometry: the

@@ -17,6 +17,7 @@ use crate::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
             },
+            material::MaterialModel,
             scene::Model,
         },
         instances::Prototypes,
@@ -101,12 +102,8 @@ impl Frames {
     /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
         let mut targets = self.targets.iter();
-        targets.any(|target| match target.owner {
-            Owner::Geometry(of)
-            | Owner::Surface(of)
-            | Owner::Transform(of, _)
-            | Owner::Rotation(of, _) => of == at,
-            _ => false,
+        targets.any(|target| {
+            target.geometry() == Some(at) && !matches!(target.owner, Owner::ColorBy(_))
         })
     }
 
@@ -125,30 +122,41 @@ impl Frames {
 
     /// Returns the leaves that move or change their size, in ascending order.
     pub(crate) fn moved_leaves(&self, model: &Model) -> Vec<Ordinal> {
-        let moved = self.moved_geometries();
-        let is_leaf = |at: &Ordinal| {
-            let geometry = model.geometry(*at);
-            at.inner == 0 && geometry.is_some_and(GeometryModel::is_single)
-        };
-        if moved.iter().all(is_leaf) {
-            return moved;
+        leaves(model, self.moved_geometries())
+    }
+
+    /// Returns the leaves that change in any way, in ascending order.
+    pub(crate) fn changed_leaves(&self, model: &Model) -> Vec<Ordinal> {
+        let mut changed: Vec<_> = self.targets.iter().filter_map(Target::geometry).collect();
+        let materials = self.targets.iter().filter_map(|target| match target.owner {
+            Owner::Material(index) => Some(&*model.materials.as_ref()?.0.get(index)?.0),
+            _ => None,
+        });
+        let materials: Vec<_> = materials.collect();
+        if !materials.is_empty() {
+            let has = |geometry: &GeometryModel| {
+                let name = geometry.surface().material.and_then(MaterialModel::named);
+                name.is_some_and(|name| materials.contains(&name))
+            };
+            let all = model.walk().filter(|(_, geometry)| has(geometry));
+            changed.extend(all.map(|(at, _)| at));
         }
-        let mut outermost: Vec<RangeInclusive<Ordinal>> = Vec::new();
-        for at in &moved {
-            if !outermost.last().is_some_and(|last| last.contains(at)) {
-                outermost.extend(model.geometry(*at).map(|geometry| span(*at, geometry)));
-            }
-        }
-        let moves = |leaf: &Leaf| {
-            let inside = span(leaf.at, leaf.geometry);
-            let before = outermost.partition_point(|around| around.start() <= &leaf.at);
-            let around = before.checked_sub(1).and_then(|last| outermost.get(last));
-            let next = moved.get(moved.partition_point(|at| *at < leaf.at));
-            around.is_some_and(|around| around.contains(&leaf.at))
-                || next.is_some_and(|next| inside.contains(next))
-        };
-        let leaves = model.leaves().filter(moves);
-        leaves.map(|leaf| leaf.at).collect()
+        leaves(model, self.with_copies(changed))
+    }
+
+    /// Adds the copies of geometries to these, and puts all in ascending order.
+    fn with_copies(&self, mut changed: Vec<Ordinal>) -> Vec<Ordinal> {
+        changed.sort_unstable();
+        changed.dedup();
+        let copies = self.copies.iter().filter(|(_, of)| {
+            let first = changed.partition_point(|at| at < of.start());
+            changed.get(first).is_some_and(|at| of.contains(at))
+        });
+        let copies: Vec<_> = copies.map(|(at, _)| *at).collect();
+        changed.extend(copies);
+        changed.sort_unstable();
+        changed.dedup();
+        changed
     }
 
     /// Returns the geometries that move or change their size, in ascending order.
@@ -158,14 +166,7 @@ impl Frames {
             Owner::Transform(at, _) | Owner::Rotation(at, _) => Some(at),
             _ => None,
         });
-        let mut moved: Vec<_> = moved.collect();
-        let copies = self.copies.iter();
-        let copies = copies.filter(|(_, of)| moved.iter().any(|moved| of.contains(moved)));
-        let copies: Vec<_> = copies.map(|(at, _)| *at).collect();
-        moved.extend(copies);
-        moved.sort_unstable();
-        moved.dedup();
-        moved
+        self.with_copies(moved.collect())
     }
 
     /// Returns true if a light changes.
@@ -269,6 +270,34 @@ fn replace<T>(slot: &mut T, value: Option<T>) {
     if let Some(value) = value {
         *slot = value;
     }
+}
+
+/// Returns the leaves of a scene that are some geometries, are in them, or hold them, in ascending
+/// order.
+fn leaves(model: &Model, changed: Vec<Ordinal>) -> Vec<Ordinal> {
+    let is_leaf = |at: &Ordinal| {
+        let geometry = model.geometry(*at);
+        at.inner == 0 && geometry.is_some_and(GeometryModel::is_single)
+    };
+    if changed.iter().all(is_leaf) {
+        return changed;
+    }
+    let mut outermost: Vec<RangeInclusive<Ordinal>> = Vec::new();
+    for at in &changed {
+        if !outermost.last().is_some_and(|last| last.contains(at)) {
+            outermost.extend(model.geometry(*at).map(|geometry| span(*at, geometry)));
+        }
+    }
+    let moves = |leaf: &Leaf| {
+        let inside = span(leaf.at, leaf.geometry);
+        let before = outermost.partition_point(|around| around.start() <= &leaf.at);
+        let around = before.checked_sub(1).and_then(|last| outermost.get(last));
+        let next = changed.get(changed.partition_point(|at| *at < leaf.at));
+        around.is_some_and(|around| around.contains(&leaf.at))
+            || next.is_some_and(|next| inside.contains(next))
+    };
+    let leaves = model.leaves().filter(moves);
+    leaves.map(|leaf| leaf.at).collect()
 }
 
 /// Returns the copies in a scene, and what each is a copy of, with all that is inside of that.

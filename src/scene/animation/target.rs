@@ -147,6 +147,18 @@ impl Target {
         }
     }
 
+    /// The geometry that changes, if it is one.
+    pub(crate) const fn geometry(&self) -> Option<Ordinal> {
+        match self.owner {
+            Owner::Geometry(at)
+            | Owner::Surface(at)
+            | Owner::ColorBy(at)
+            | Owner::Transform(at, _)
+            | Owner::Rotation(at, _) => Some(at),
+            _ => None,
+        }
+    }
+
     /// Returns true if an orbit changes it as well.
     pub(crate) const fn is_turned_by_orbit(&self) -> bool {
         self.owner.is_camera() && matches!(self.kind, Kind::Point | Kind::Direction)

@@ -121,6 +121,16 @@ impl Model {
         Leaves(self.walk())
     }
 
+    /// Returns the leaves that a geometry is or holds, in its own space.
+    pub(crate) fn leaves_in(&self, around: Ordinal) -> impl Iterator<Item = Leaf<'_>> {
+        let list = self.geometry(around).map_or(&[][..], slice::from_ref);
+        Leaves(Walk::new(list)).map(move |mut leaf| {
+            leaf.at.index = around.index;
+            leaf.at.inner += around.inner;
+            leaf
+        })
+    }
+
     /// Returns a leaf by its number.
     pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
         let mut geometry = self.geometries.get(at.index)?;
