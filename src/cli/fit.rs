@@ -17,24 +17,20 @@ pub(super) struct FitArgs {
         default_missing_value = "1,0.6,1",
         allow_hyphen_values = true
     )]
-    fit: Option<Direction>,
+    fit: Option<[f64; 3]>,
 }
-
-/// A direction with a length.
-#[derive(Clone, Copy)]
-struct Direction([f64; 3]);
 
 impl FitArgs {
     /// Adds it to the options for reading scenes.
     pub(super) fn of(&self, options: ReadOptions) -> ReadOptions {
         match self.fit {
-            Some(Direction(from)) => options.fit(from),
+            Some(from) => options.fit(from),
             None => options,
         }
     }
 }
 
-fn direction(text: &str) -> Result<Direction, String> {
+fn direction(text: &str) -> Result<[f64; 3], String> {
     let bare = text.trim();
     let bare = bare
         .strip_prefix('(')
@@ -45,10 +41,7 @@ fn direction(text: &str) -> Result<Direction, String> {
         .map(|number| number.trim().parse().ok())
         .collect();
     let direction = numbers.and_then(|numbers| numbers.try_into().ok());
-    direction
-        .filter(FitModel::is_direction)
-        .map(Direction)
-        .ok_or_else(|| {
-            "expected a direction of three numbers, not all 0, such as 1,0.6,1".to_owned()
-        })
+    direction.filter(FitModel::is_direction).ok_or_else(|| {
+        "expected a direction of three numbers, not all 0, such as 1,0.6,1".to_owned()
+    })
 }

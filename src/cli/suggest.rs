@@ -24,50 +24,44 @@ const COMMANDS: &[(&[&str], &str)] = &[
 
 /// Options of other programs, each with the option of this program and a tip. The first that the
 /// command has is meant.
-const OPTIONS: &[(&[&str], &str, &str)] = &[
+const OPTIONS: &[(&str, &str, &str)] = &[
     (
-        &[
-            "--resolution",
-            "--res",
-            "--dimensions",
-            "--width",
-            "--height",
-        ],
+        "--resolution --res --dimensions --width --height",
         "size",
         "the size of the picture in pixels is '--size WIDTHxHEIGHT'",
     ),
     (
-        &["--dpi", "--ppi"],
+        "--dpi --ppi",
         "size",
         "a picture is measured in pixels: at 300 dpi, '--size 1200x900' is 4 by 3 inches",
     ),
     (
-        &["--spp", "--aa", "--antialias", "--antialiasing"],
+        "--spp --aa --antialias --antialiasing",
         "samples",
         "the number of rays per pixel is '--samples N'",
     ),
     (
-        &["--frame", "--time"],
+        "--frame --time",
         "frames",
         "a picture of one frame is '--frames N'",
     ),
     (
-        &["--frames", "--time"],
+        "--frames --time",
         "frame",
         "the number of the frame is '--frame N'",
     ),
     (
-        &["--format", "--type"],
+        "--format --type",
         "image-format",
         "the extension of '-o FILE' determines the format; for standard output, it is '--image-format FORMAT'",
     ),
     (
-        &["--format", "--type"],
+        "--format --type",
         "output-format",
         "the format of the result is '--output-format FORMAT'",
     ),
     (
-        &["--jobs", "--cores", "-j"],
+        "--jobs --cores -j",
         "threads",
         "the number of threads is '--threads N'",
     ),
@@ -137,7 +131,8 @@ fn option(error: &mut clap::Error, name: &str) {
             .any(|one| one.get_long() == Some(long))
     };
     let mut options = OPTIONS.iter();
-    let meant = options.find(|(others, long, _)| others.contains(&name) && has(long));
+    let meant =
+        options.find(|(others, long, _)| others.split(' ').any(|one| one == name) && has(long));
     if let Some((_, _, words)) = meant {
         tip(error, words);
         error.remove(ContextKind::SuggestedArg);

@@ -308,11 +308,13 @@ impl<'a> Run<'a> {
     /// Prints the safe fixes of a scene, and counts its faults before them.
     fn show_fixes(&mut self, mut document: Document) -> Result<(), Failure> {
         self.summary.count(&scene::findings(&document));
+        let files = self.summary.files;
         for part in document.parts() {
             if self.parts.is_new(part) {
-                self.count_part(&scene::findings_of_part(part));
+                self.summary.count(&scene::findings_of_part(part));
             }
         }
+        self.summary.files = files;
         let Some((fixed, count)) = document.fixed() else {
             return Ok(());
         };
@@ -341,15 +343,10 @@ impl<'a> Run<'a> {
         }
         let document = &document;
         let timings = document.timings();
-        let (diagnostics, suppressed) = limit(document.diagnostics(), self.most);
-        let report = FileReport {
-            diagnostics: &diagnostics,
-            suppressed: suppressed + document.suppressed(),
+        self.report_file(&FileReport {
             time: timings.of(Stage::Read) + timings.of(Stage::Check),
             ..scene::findings(document)
-        };
-        self.summary.count(&report);
-        self.print(|reporter| reporter.file(&report).map_err(Failure::stdout))?;
+        })?;
         for part in document.parts() {
             if self.parts.is_new(part) {
                 self.report_part(&scene::findings_of_part(part))?;
@@ -415,23 +412,24 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
-    /// Reports faults of a part, an option or a table that belong to a scene already counted.
-    fn report_part(&mut self, part: &FileReport<'_>) -> Result<(), Failure> {
-        let (diagnostics, suppressed) = limit(part.diagnostics, self.most);
+    /// Counts and reports a file.
+    fn report_file(&mut self, file: &FileReport<'_>) -> Result<(), Failure> {
+        let (diagnostics, suppressed) = limit(file.diagnostics, self.most);
         let report = FileReport {
             diagnostics: &diagnostics,
-            suppressed: suppressed + part.suppressed,
-            ..*part
+            suppressed: suppressed + file.suppressed,
+            ..*file
         };
-        self.count_part(&report);
+        self.summary.count(&report);
         self.print(|reporter| reporter.file(&report).map_err(Failure::stdout))
     }
 
-    /// Counts faults of a part, an option or a table that belong to a scene already counted.
-    fn count_part(&mut self, part: &FileReport<'_>) {
+    /// Reports faults of a part, an option or a table that belong to a scene already counted.
+    fn report_part(&mut self, part: &FileReport<'_>) -> Result<(), Failure> {
         let files = self.summary.files;
-        self.summary.count(part);
+        let reported = self.report_file(part);
         self.summary.files = files;
+        reported
     }
 
     fn finish(mut self) -> Result<(), Failure> {

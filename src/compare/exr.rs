@@ -92,17 +92,12 @@ fn side(side: usize) -> u32 {
 
 fn bytes(samples: &FlatSamples) -> (Kind, Vec<u8>) {
     match samples {
-        FlatSamples::F16(all) => (
-            Kind::F16,
-            all.iter().flat_map(|one| one.to_le_bytes()).collect(),
-        ),
-        FlatSamples::F32(all) => (
-            Kind::F32,
-            all.iter().flat_map(|one| one.to_le_bytes()).collect(),
-        ),
-        FlatSamples::U32(all) => {
-            let bytes = all.iter().flat_map(|one| one.to_le_bytes());
-            (Kind::Unsigned(4), bytes.collect())
-        }
+        FlatSamples::F16(all) => (Kind::F16, joined(all, |one| one.to_le_bytes())),
+        FlatSamples::F32(all) => (Kind::F32, joined(all, |one| one.to_le_bytes())),
+        FlatSamples::U32(all) => (Kind::Unsigned(4), joined(all, |one| one.to_le_bytes())),
     }
+}
+
+fn joined<T: Copy, const N: usize>(all: &[T], bytes: impl Fn(T) -> [u8; N]) -> Vec<u8> {
+    all.iter().flat_map(|one| bytes(*one)).collect()
 }

@@ -1,5 +1,7 @@
 //! The common form in which two pictures are compared.
 
+use std::convert::identity;
+
 use crate::{
     compare::{
         picture::{Picture, Samples},
@@ -76,15 +78,11 @@ impl Form {
             match &picture.samples {
                 Samples::Bytes(all) => {
                     let of = |byte: u8| f64::from(byte);
-                    fill(&mut rows, picture.channels, &all[samples], of, |pixel| {
-                        pixel
-                    });
+                    fill(&mut rows, picture.channels, &all[samples], of, identity);
                 }
                 Samples::Words(all) => {
                     let of = |word: u16| part(f64::from(word), 65_535.0);
-                    fill(&mut rows, picture.channels, &all[samples], of, |pixel| {
-                        pixel
-                    });
+                    fill(&mut rows, picture.channels, &all[samples], of, identity);
                 }
                 Samples::Floats(all) => {
                     let of = |float: f32| f64::from(float) * WHITE;

@@ -34,7 +34,7 @@ impl Scene {
         }
         let layouts = |settings: Settings| -> Vec<_> {
             let layouts = files.clone().map(|layers| {
-                let layout = self.layout_with(format, layers, settings);
+                let layout = self.layout(format, layers, settings);
                 layout.ok().map(|layout| format!("{layout:?}"))
             });
             layouts.collect()
@@ -110,7 +110,7 @@ impl Scene {
         if options.palette != Palette::Auto || self.mixes_colors() {
             return None;
         }
-        let layout = self.layout(ImageFormat::PNG, &options.layers, options);
+        let layout = self.layout(ImageFormat::PNG, &options.layers, options.settings);
         let table = LazyCell::new(|| ColorTable::rgb8(&self.world));
         match layout {
             Ok(layout) => self.palette(&layout, options, || &table).err(),

@@ -26,7 +26,7 @@ pub struct RenderOptions {
     pub(super) crop: Option<Crop>,
     pub(super) samples: Option<Samples>,
     pub(super) layers: Vec<Layer>,
-    pub(super) settings: Settings,
+    pub(crate) settings: Settings,
     pub(super) quality: Option<u8>,
     pub(super) metadata: bool,
     pub(super) threads: Option<usize>,

@@ -150,10 +150,10 @@ impl Scene {
         options: &RenderOptions,
     ) -> Result<(), Error> {
         let size = self.crop(options)?.size();
-        let layout = self.layout(format, layers, options)?;
+        let layout = self.layout(format, layers, options.settings)?;
         if !format.holds(layout.pixel()) {
             return Err(cannot_hold(format, layout.pixel(), |other| {
-                let layout = self.layout(other, layers, options);
+                let layout = self.layout(other, layers, options.settings);
                 layout.is_ok_and(|layout| other.holds(layout.pixel()))
             }));
         }
@@ -166,15 +166,6 @@ impl Scene {
     }
 
     pub(crate) fn layout(
-        &self,
-        format: ImageFormat,
-        layers: &[Layer],
-        options: &RenderOptions,
-    ) -> Result<Layout, Error> {
-        self.layout_with(format, layers, options.settings)
-    }
-
-    pub(super) fn layout_with(
         &self,
         format: ImageFormat,
         layers: &[Layer],
@@ -215,7 +206,7 @@ impl Scene {
         write: impl FnOnce(Form, image_file::Draw) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
-        let layout = self.layout(format, layers, options)?;
+        let layout = self.layout(format, layers, options.settings)?;
         let table = self.color_table(watch);
         let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
         let palette = match options.palette {

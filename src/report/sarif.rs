@@ -189,7 +189,7 @@ impl<'a> Finding<'a> {
             Some(help) => Message::new(format!("{}\nhelp: {help}", diagnostic.message)),
             None => Message::new(&*diagnostic.message),
         };
-        let mut location = Location::new(uri, lines, &diagnostic.range);
+        let mut location = Location::new(uri, Region::new(lines, &diagnostic.range));
         if !diagnostic.path.steps().is_empty() {
             location.logical_locations.push(LogicalLocation {
                 fully_qualified_name: diagnostic.path.to_string(),
@@ -197,7 +197,7 @@ impl<'a> Finding<'a> {
         }
         let related = diagnostic.labels.iter().map(|label| Location {
             message: Some(Message::new(&*label.message)),
-            ..Location::new(uri, lines, &label.range)
+            ..Location::new(uri, Region::new(lines, &label.range))
         });
         Self {
             rule_id: diagnostic.code.name(),
@@ -224,27 +224,24 @@ impl<'a> Location<'a> {
     /// Creates the place that names the file of a finding.
     fn used_by(uri: &'a str, place: &UsedBy<'_>) -> Self {
         let UsedBy { line, column, .. } = *place;
+        let region = Region {
+            start_line: line,
+            start_column: column,
+            end_line: line,
+            end_column: column,
+        };
         Self {
             message: Some(Message::new("used by this file")),
-            physical_location: PhysicalLocation {
-                artifact_location: ArtifactLocation { uri },
-                region: Region {
-                    start_line: line,
-                    start_column: column,
-                    end_line: line,
-                    end_column: column,
-                },
-            },
-            logical_locations: Vec::new(),
+            ..Self::new(uri, region)
         }
     }
 
-    fn new(uri: &'a str, lines: &Lines<'_>, range: &Range<usize>) -> Self {
+    const fn new(uri: &'a str, region: Region) -> Self {
         Self {
             message: None,
             physical_location: PhysicalLocation {
                 artifact_location: ArtifactLocation { uri },
-                region: Region::new(lines, range),
+                region,
             },
             logical_locations: Vec::new(),
         }

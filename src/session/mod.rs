@@ -329,29 +329,24 @@ impl Session {
     /// Replaces parts of a version of the text, and returns the number of the new version; `None`
     /// if the text has another version by now, or no version has these ranges.
     pub fn edit(&self, version: u64, edits: &[Edit]) -> Option<u64> {
-        let mut state = self.shared.state();
+        let state = self.shared.state();
         let text = Arc::clone(&state.draft.text);
         let is_range = |edit: &Edit| text.get(edit.range.clone()).is_some();
         if state.draft.version != version || !edits.iter().all(is_range) {
             return None;
         }
         let (text, _) = edit::apply(&text, edits.iter().map(std::slice::from_ref));
-        state.draft = Draft {
-            version: version + 1,
-            text: text.into(),
-        };
-        self.request(state);
-        Some(version + 1)
+        Some(self.put(state, text.into()))
     }
 
     /// Replaces the whole text, and returns the number of the new version.
     pub fn replace(&self, text: impl Into<Arc<str>>) -> u64 {
-        let mut state = self.shared.state();
+        self.put(self.shared.state(), text.into())
+    }
+
+    fn put(&self, mut state: MutexGuard<'_, State>, text: Arc<str>) -> u64 {
         let version = state.draft.version + 1;
-        state.draft = Draft {
-            version,
-            text: text.into(),
-        };
+        state.draft = Draft { version, text };
         self.request(state);
         version
     }

@@ -236,7 +236,7 @@ impl Scene {
         let options = RenderOptions::new().depth_range(0.0, 1.0);
         let layers = Layer::ALL.iter().copied();
         layers.filter(move |layer| {
-            let layout = self.layout(ImageFormat::PNG, &[*layer], &options);
+            let layout = self.layout(ImageFormat::PNG, &[*layer], options.settings);
             layout.is_ok_and(|layout| ImageFormat::PNG.holds(layout.pixel()))
         })
     }

@@ -5,6 +5,8 @@ use std::fmt;
 use serde::{Serialize, Serializer};
 use strahl::{Scene, Shape, scene::Origin, shape::Mesh};
 
+use crate::cli::report::write_names;
+
 /// The geometries of a scene.
 #[derive(Serialize)]
 pub(super) struct Counts<'a> {
@@ -42,8 +44,7 @@ fn plural(kind: &str) -> String {
 #[derive(Serialize)]
 struct TableTerms<'a> {
     #[serde(flatten)]
-    place: PlaceTerms,
-    name: Option<&'a str>,
+    place: PlaceTerms<'a>,
     file: String,
     rows: usize,
     /// The index of the first row in the world; the others follow.
@@ -57,8 +58,7 @@ struct TableTerms<'a> {
 #[derive(Serialize)]
 struct InstancesTerms<'a> {
     #[serde(flatten)]
-    place: PlaceTerms,
-    name: Option<&'a str>,
+    place: PlaceTerms<'a>,
     /// The name of the geometry that each is a copy of.
     of: &'a str,
     /// The number of copies.
@@ -73,8 +73,7 @@ struct InstancesTerms<'a> {
 #[derive(Serialize)]
 struct MeshTerms<'a> {
     #[serde(flatten)]
-    place: PlaceTerms,
-    name: Option<&'a str>,
+    place: PlaceTerms<'a>,
     triangles: usize,
     vertices: usize,
     /// The groups that its file names.
@@ -93,25 +92,34 @@ struct GroupTerms<'a> {
 /// The largest number of groups that are listed for people.
 const GROUPS: usize = 20;
 
-/// The place of a geometry in the scene.
+/// The place of a geometry in the scene, and its name.
 #[derive(Serialize)]
-struct PlaceTerms {
+struct PlaceTerms<'a> {
     /// The index in the list of geometries.
     geometry: usize,
     /// The index in the list of each group.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     in_groups: Vec<usize>,
+    name: Option<&'a str>,
     #[serde(skip)]
     path: String,
 }
 
-impl PlaceTerms {
-    fn new(origin: &Origin) -> Self {
+impl<'a> PlaceTerms<'a> {
+    fn new(origin: &Origin, name: Option<&'a str>) -> Self {
         Self {
             geometry: origin.geometry,
             in_groups: origin.in_groups.clone(),
+            name,
             path: origin.to_string(),
         }
+    }
+}
+
+impl fmt::Display for PlaceTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "  {}", self.path)?;
+        write_names(out, self.name, &[])
     }
 }
 
@@ -153,8 +161,7 @@ impl fmt::Display for ColorByTerms<'_> {
 #[derive(Serialize)]
 struct PartTerms<'a> {
     #[serde(flatten)]
-    place: PlaceTerms,
-    name: Option<&'a str>,
+    place: PlaceTerms<'a>,
     file: &'a str,
     /// The number of its geometries.
     geometries: usize,
@@ -170,8 +177,7 @@ impl<'a> Counts<'a> {
     pub(super) fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
         let geometries = scene.world().geometries();
         let parts = scene.parts().map(|part| PartTerms {
-            place: PlaceTerms::new(&part.origin),
-            name: part.name,
+            place: PlaceTerms::new(&part.origin, part.name),
             file: part.file,
             geometries: part.indices.len(),
             first_id: part.indices.start,
@@ -196,8 +202,7 @@ impl<'a> Counts<'a> {
             if let Some(mesh) = mesh_of(geometry.shape()) {
                 let origin = scene.origin(index);
                 mesh_sizes.push(MeshTerms {
-                    place: PlaceTerms::new(&origin),
-                    name: scene.name(index),
+                    place: PlaceTerms::new(&origin, scene.name(index)),
                     triangles: mesh.triangles().len(),
                     vertices: mesh.vertices().len(),
                     groups: groups_of(mesh),
@@ -210,8 +215,7 @@ impl<'a> Counts<'a> {
             }
         }
         let instances = scene.instances().map(|copies| InstancesTerms {
-            place: PlaceTerms::new(&copies.origin),
-            name: copies.name,
+            place: PlaceTerms::new(&copies.origin, copies.name),
             of: copies.of,
             copies: copies.indices.len(),
             first_id: copies.indices.start,
@@ -220,8 +224,7 @@ impl<'a> Counts<'a> {
         let tables = scene.tables().zip(tables);
         let tables: Vec<_> = tables
             .map(|(table, file)| TableTerms {
-                place: PlaceTerms::new(&table.origin),
-                name: table.name,
+                place: PlaceTerms::new(&table.origin, table.name),
                 file,
                 rows: table.indices.len(),
                 first_id: table.indices.start,
@@ -308,39 +311,28 @@ impl fmt::Display for Counts<'_> {
         }
         writeln!(out)?;
         for table in tables {
-            let (path, file) = (&table.place.path, &table.file);
-            write!(out, "  {path}")?;
-            if let Some(name) = table.name {
-                write!(out, " {name:?}")?;
-            }
-            write!(out, ": {} of {file:?}", count(table.rows, "row"))?;
+            let (place, file) = (&table.place, &table.file);
+            write!(out, "{place}: {} of {file:?}", count(table.rows, "row"))?;
             writeln!(out, ", columns {}", table.columns.join(", "))?;
             if let Some(color_by) = &table.color_by {
                 write!(out, "{color_by}")?;
             }
         }
         for list in instances {
-            write!(out, "  {}", list.place.path)?;
-            if let Some(name) = list.name {
-                write!(out, " {name:?}")?;
-            }
-            write!(out, ": {} of {:?}", count(list.copies, "copy"), list.of)?;
+            let (place, of) = (&list.place, list.of);
+            write!(out, "{place}: {} of {of:?}", count(list.copies, "copy"))?;
             match list.columns {
                 Some(columns) => writeln!(out, ", columns {}", columns.join(", "))?,
                 None => writeln!(out)?,
             }
         }
         for mesh in mesh_sizes {
-            write!(out, "  {}", mesh.place.path)?;
-            if let Some(name) = mesh.name {
-                write!(out, " {name:?}")?;
-            }
             let triangles = count(mesh.triangles, "triangle");
             let vertices = match mesh.vertices {
                 1 => "1 vertex".to_owned(),
                 many => format!("{many} vertices"),
             };
-            writeln!(out, ": mesh of {triangles}, {vertices}")?;
+            writeln!(out, "{}: mesh of {triangles}, {vertices}", mesh.place)?;
             for GroupTerms { name, triangles } in mesh.groups.iter().take(GROUPS) {
                 writeln!(out, "    group {name:?}: {}", count(*triangles, "triangle"))?;
             }
@@ -352,16 +344,9 @@ impl fmt::Display for Counts<'_> {
             }
         }
         for part in named {
-            let (path, file) = (&part.place.path, part.file);
-            write!(out, "  {path}")?;
-            if let Some(name) = part.name {
-                write!(out, " {name:?}")?;
-            }
-            let geometries = match part.geometries {
-                1 => "1 geometry".to_owned(),
-                many => format!("{many} geometries"),
-            };
-            writeln!(out, ": {geometries} of {file:?}")?;
+            let (place, file) = (&part.place, part.file);
+            let geometries = count(part.geometries, "geometry");
+            writeln!(out, "{place}: {geometries} of {file:?}")?;
             for color_by in &part.color_by {
                 write!(out, "{color_by}")?;
             }
