@@ -116,10 +116,7 @@ pub(super) fn workspace_edit(snapshot: &Snapshot, edits: &[Edit]) -> WorkspaceEd
     let places = snapshot.places();
     let edits = edits.iter().map(|edit| places.edit(edit));
     if !snapshot.client.document_changes {
-        return WorkspaceEdit {
-            changes: Some(HashMap::from([(snapshot.uri.clone(), edits.collect())])),
-            ..WorkspaceEdit::default()
-        };
+        return WorkspaceEdit::new(HashMap::from([(snapshot.uri.clone(), edits.collect())]));
     }
     let edit = TextDocumentEdit {
         text_document: OptionalVersionedTextDocumentIdentifier {

@@ -2,8 +2,7 @@
 
 use lsp_types::{
     CompletionItem, CompletionItemKind, CompletionList, CompletionParams, CompletionResponse,
-    CompletionTextEdit, Documentation, Hover, HoverContents, HoverParams, MarkupContent,
-    MarkupKind, TextEdit,
+    Documentation, Hover, HoverContents, HoverParams, MarkupContent, MarkupKind, TextEdit,
 };
 use strahl::scene::CompletionKind;
 
@@ -38,10 +37,7 @@ pub(super) fn complete(
             documentation: documentation(item.docs, snapshot.client.markdown_completion),
             detail: Some(item.detail).filter(|detail| !detail.is_empty()),
             label: item.label,
-            text_edit: Some(CompletionTextEdit::Edit(TextEdit {
-                range,
-                new_text: item.insert,
-            })),
+            text_edit: Some(TextEdit::new(range, item.insert).into()),
             ..CompletionItem::default()
         });
     Ok(Some(CompletionResponse::List(CompletionList {

@@ -54,10 +54,7 @@ pub(super) fn presentations(
     }
     let presentations = texts.into_iter().map(|text| ColorPresentation {
         label: text.clone(),
-        text_edit: Some(TextEdit {
-            range: params.range,
-            new_text: text,
-        }),
+        text_edit: Some(TextEdit::new(params.range, text)),
         additional_text_edits: None,
     });
     Ok(presentations.collect())

@@ -48,10 +48,7 @@ pub(super) fn one(
         .labels
         .iter()
         .map(|label| DiagnosticRelatedInformation {
-            location: Location {
-                uri: uri.clone(),
-                range: places.range(&label.range),
-            },
+            location: Location::new(uri.clone(), places.range(&label.range)),
             message: label.message.clone(),
         });
     // Its own file has no diagnostics: the client may not even show it as a text.
@@ -59,10 +56,7 @@ pub(super) fn one(
         let uri = super::uri::of_path(&std::path::absolute(&place.file).ok()?)?;
         let places = Places::after(place.line - 1, &place.text, client.columns);
         Some(DiagnosticRelatedInformation {
-            location: Location {
-                uri,
-                range: places.range(&place.range),
-            },
+            location: Location::new(uri, places.range(&place.range)),
             message: place.message.clone(),
         })
     });

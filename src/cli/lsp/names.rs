@@ -20,11 +20,8 @@ fn places(snapshot: &Snapshot, position: Position) -> Vec<Name> {
 
 fn locations<'a>(snapshot: &Snapshot, names: impl Iterator<Item = &'a Name>) -> Vec<Location> {
     let places = snapshot.places();
-    let locations = names.map(|name| Location {
-        uri: snapshot.uri.clone(),
-        range: places.range(&name.range),
-    });
-    locations.collect()
+    let location = |name: &Name| Location::new(snapshot.uri.clone(), places.range(&name.range));
+    names.map(location).collect()
 }
 
 pub(super) fn definition(

@@ -13,23 +13,23 @@ const PAUSE: Duration = Duration::from_secs(3);
 pub(super) fn watch(process: Option<u32>, events: Sender<Event>) {
     use std::{os::unix::process::parent_id, path::PathBuf};
 
+    use super::{super::threads::spawn, outbox::NO_THREADS};
+
     let parent = parent_id();
     // Processes are folders there, but only on Linux.
     let client = process.map(|id| PathBuf::from(format!("/proc/{id}")));
     let client = client.filter(|folder| folder.exists());
     // Without this thread, the end of the input still ends the server.
-    let _ = thread::Builder::new()
-        .name("parent".to_owned())
-        .spawn(move || {
-            loop {
-                thread::sleep(PAUSE);
-                let is_gone = client.as_ref().is_some_and(|folder| !folder.exists());
-                if is_gone || parent_id() != parent {
-                    let _ = events.send(Event::End);
-                    return;
-                }
+    let _ = spawn("parent", NO_THREADS, move || {
+        loop {
+            thread::sleep(PAUSE);
+            let is_gone = client.as_ref().is_some_and(|folder| !folder.exists());
+            if is_gone || parent_id() != parent {
+                let _ = events.send(Event::End);
+                return;
             }
-        });
+        }
+    });
 }
 
 /// Elsewhere, the end of the input is the only sign.

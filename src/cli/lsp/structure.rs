@@ -70,10 +70,7 @@ fn flatten(
             kind: kind(symbol.kind),
             tags: None,
             deprecated: None,
-            location: Location {
-                uri: snapshot.uri.clone(),
-                range: places.range(&symbol.range),
-            },
+            location: Location::new(snapshot.uri.clone(), places.range(&symbol.range)),
             container_name: parent.map(str::to_owned),
         });
         flatten(symbol.children, Some(&symbol.name), snapshot, places, all);

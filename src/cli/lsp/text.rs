@@ -188,10 +188,7 @@ impl<'a> Places<'a> {
     }
 
     pub(super) fn range(&self, range: &Range<usize>) -> lsp_types::Range {
-        lsp_types::Range {
-            start: self.position(range.start),
-            end: self.position(range.end),
-        }
+        lsp_types::Range::new(self.position(range.start), self.position(range.end))
     }
 
     /// Returns an offset; positions outside of the text become the nearest one in it.
@@ -209,9 +206,6 @@ impl<'a> Places<'a> {
     }
 
     pub(super) fn edit(&self, edit: &Edit) -> TextEdit {
-        TextEdit {
-            range: self.range(&edit.range),
-            new_text: edit.text.clone(),
-        }
+        TextEdit::new(self.range(&edit.range), edit.text.clone())
     }
 }
