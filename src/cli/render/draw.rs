@@ -44,9 +44,15 @@ struct View<'b> {
     scene: Scene,
     file: String,
     camera: Option<String>,
-    /// The frames, if they are the rows of a table.
+    rows: OtherRows<'b>,
+}
+
+/// What a picture has in common with other rows of a table.
+#[derive(Clone, Copy, Default)]
+struct OtherRows<'b> {
+    /// The frames, if they are the rows.
     series: Option<Series<'b>>,
-    /// The other rows that it is seen together with.
+    /// The rows that it is seen together with.
     seen_with: Option<&'b Shared>,
 }
 
@@ -97,7 +103,7 @@ impl Run<'_> {
         threads: usize,
         faults: &mut Vec<RowFaults>,
     ) -> Result<Outcome, Failure> {
-        let (mut series, mut seen_with) = (None, None);
+        let mut others = OtherRows::default();
         let shown = match &base.content {
             Content::Nothing => return Ok(Outcome::Skipped),
             Content::Refused(failure) => return Ok(Outcome::of_failure(failure)),
@@ -107,7 +113,7 @@ impl Run<'_> {
                 return Ok(Outcome::Later);
             }
             Content::Document(document, columns, shared) => {
-                seen_with = shared.as_ref();
+                others.seen_with = shared.as_ref();
                 let (scene, found) = match item.row {
                     Some(row) => {
                         let (scene, faults) = with_row(self.list, row, document, columns);
@@ -118,7 +124,7 @@ impl Run<'_> {
                         let ranges_differ = rows.ranges_differ;
                         self.ranges_differ
                             .fetch_or(ranges_differ, Ordering::Relaxed);
-                        series = rows.series;
+                        others.series = rows.series;
                         (rows.first, rows.faults)
                     }
                 };
@@ -131,13 +137,13 @@ impl Run<'_> {
         };
         let samples = u64::from(self.args.draw.picture.samples(shown.samples()).count());
         if !self.is_all(threads) {
-            let movie = self.movie(&shown, None, series, seen_with)?;
+            let movie = self.movie(&shown, None, others)?;
             let pixels = self.pixels(&shown, movie.as_ref());
             if pixels.saturating_mul(samples) >= LARGE {
                 return Ok(Outcome::Later);
             }
         }
-        self.draw(shown, (series, seen_with), base, item, threads)
+        self.draw(shown, others, base, item, threads)
     }
 
     fn at_frame(&self, scene: &Scene, item: &Item) -> Result<Scene, Failure> {
@@ -151,13 +157,13 @@ impl Run<'_> {
     fn draw(
         &self,
         shown: Scene,
-        (series, seen_with): (Option<Series>, Option<&Shared>),
+        others: OtherRows,
         base: &Base,
         item: &Item,
         threads: usize,
     ) -> Result<Outcome, Failure> {
         let name = self.list.name(item)?;
-        let views = self.views(shown, (series, seen_with), item, &name)?;
+        let views = self.views(shown, others, item, &name)?;
         let targets = views.iter().map(|view| self.list.folder.join(&view.file));
         self.check_targets(&targets.collect::<Vec<_>>(), base)?;
         let is_recorded = self.records.is_some() || self.list.summary.is_some();
@@ -192,11 +198,10 @@ impl Run<'_> {
         &'s self,
         scene: &'s Scene,
         camera: Option<&'s str>,
-        series: Option<Series<'s>>,
-        seen_with: Option<&'s Shared>,
+        rows: OtherRows<'s>,
     ) -> Result<Option<Movie<'s>>, Failure> {
         let (frames, picture) = (self.args.frames(), &self.args.draw.picture);
-        let movie = |format| match series {
+        let movie = |format| match rows.series {
             Some(series) => {
                 let fps = self.args.fps.unwrap_or(Series::FPS);
                 let frame = move |row| {
@@ -204,7 +209,7 @@ impl Run<'_> {
                     if let Some(name) = camera {
                         scene = cameras::see_by(scene, name)?;
                     }
-                    self.seen(scene, seen_with)
+                    self.seen(scene, rows.seen_with)
                 };
                 let numbers = (0..series.len() as u32).collect();
                 Ok(Movie::new(
@@ -222,12 +227,7 @@ impl Run<'_> {
     }
 
     fn movie_of<'s>(&'s self, view: &'s View) -> Result<Option<Movie<'s>>, Failure> {
-        self.movie(
-            &view.scene,
-            view.camera.as_deref(),
-            view.series,
-            view.seen_with,
-        )
+        self.movie(&view.scene, view.camera.as_deref(), view.rows)
     }
 
     /// Returns the scene of a row as it is seen together with the others.
@@ -279,7 +279,7 @@ impl Run<'_> {
     fn views<'b>(
         &self,
         mut scene: Scene,
-        (series, seen_with): (Option<Series<'b>>, Option<&'b Shared>),
+        rows: OtherRows<'b>,
         item: &Item,
         name: &str,
     ) -> Result<Vec<View<'b>>, Failure> {
@@ -293,11 +293,10 @@ impl Run<'_> {
                 scene = cameras::see_by(scene, name)?;
             }
             views.push(View {
-                scene: self.seen(scene.clone(), seen_with)?,
+                scene: self.seen(scene.clone(), rows.seen_with)?,
                 file: cameras::name_of(name, camera.as_deref()),
                 camera,
-                series,
-                seen_with,
+                rows,
             });
         }
         Ok(views)
