@@ -34,7 +34,8 @@ pub(super) struct Desk {
     /// never wait for the disk.
     turn: Mutex<()>,
     file: Mutex<FileState>,
-    latest: Mutex<Option<Latest>>,
+    /// The last result, with its diagnostics as pages get them.
+    latest: Mutex<Option<(Arc<Checked>, Vec<Value>)>>,
     state: watch::Sender<Arc<str>>,
     cancel: Cancel,
 }
@@ -45,12 +46,6 @@ struct FileState {
     base: Arc<str>,
     /// True if another text is on the disk, or none.
     has_changed: bool,
-}
-
-/// The last result, with its diagnostics as pages get them.
-struct Latest {
-    checked: Arc<Checked>,
-    diagnostics: Vec<Value>,
 }
 
 /// Returns a scene as pages get it.
@@ -112,10 +107,7 @@ impl Desk {
     /// Takes over the result of a check.
     pub(super) fn show(&self, checked: Arc<Checked>) {
         let diagnostics = findings::all(checked.document());
-        *lock(&self.latest) = Some(Latest {
-            checked,
-            diagnostics,
-        });
+        *lock(&self.latest) = Some((checked, diagnostics));
         self.publish();
     }
 
@@ -123,11 +115,7 @@ impl Desk {
     pub(super) fn publish(&self) {
         let file = lock(&self.file);
         let latest = lock(&self.latest);
-        let Some(Latest {
-            checked,
-            diagnostics,
-        }) = latest.as_ref()
-        else {
+        let Some((checked, diagnostics)) = &*latest else {
             return;
         };
         let draft = self.session.draft();
@@ -210,11 +198,8 @@ impl Desk {
     /// Writes the draft into the file. If another text is there, it survives unless `overwrite`.
     pub(super) fn save(&self, version: u64, overwrite: bool) -> Result<(), Refusal> {
         let _turn = lock(&self.turn);
-        let Draft {
-            version: current,
-            text,
-        } = self.session.draft();
-        if version != current {
+        let Draft { version: now, text } = self.session.draft();
+        if version != now {
             return Err(refuse::outdated());
         }
         let base = Arc::clone(&lock(&self.file).base);

@@ -104,7 +104,11 @@ fn motion_of(numbers: &[f64]) -> Result<Motion, Refusal> {
     }
 }
 
+/// Returns the answer for a picture; one without bytes has nothing to show.
 fn png(bytes: Bytes) -> Response {
+    if bytes.is_empty() {
+        return StatusCode::NO_CONTENT.into_response();
+    }
     ([(header::CONTENT_TYPE, "image/png")], bytes).into_response()
 }
 
@@ -138,11 +142,7 @@ pub(super) async fn magnified(
         let picture = view.magnified(&scene, factor, cancel)?;
         Ok(picture.unwrap_or_default())
     };
-    let picture = drawings.get(key, draw).await?;
-    Ok(match picture.is_empty() {
-        true => StatusCode::NO_CONTENT.into_response(),
-        false => png(picture),
-    })
+    drawings.get(key, draw).await.map(png)
 }
 
 /// The path of a geometry in the scene.
@@ -172,10 +172,10 @@ pub(super) async fn outline(
         Ok(outline.unwrap_or_default())
     };
     let outline = drawings.get(key, draw).await?;
-    if outline.is_empty() {
-        return Ok(StatusCode::NO_CONTENT.into_response());
-    }
-    Ok(([(GEOMETRY, path)], png(outline)).into_response())
+    Ok(match outline.is_empty() {
+        true => png(outline),
+        false => ([(GEOMETRY, path)], png(outline)).into_response(),
+    })
 }
 
 #[derive(Serialize)]
