@@ -27,7 +27,7 @@ use super::{
     paths::is_dash,
     progress::{Progress, When},
     render::one::sources,
-    report::{self, Place},
+    report::{self, GeometryPlace},
     scene::{InputArgs, STDIN, SceneArgs, ThreadArgs},
 };
 
@@ -83,15 +83,14 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         seen.push((camera, scene.seen(&options)?));
     }
     drop(progress);
-    let views = names
-        .iter()
-        .zip(&seen)
-        .map(|(name, (camera, seen))| View::new(&scene, name.as_deref(), *camera, size, seen));
+    let views = names.iter().zip(&seen).map(|(name, (camera, seen))| {
+        CameraView::new(&scene, name.as_deref(), *camera, size, seen)
+    });
     let info = Info {
         format: 1,
         version: env!("CARGO_PKG_VERSION"),
         files,
-        image: ImageTerms {
+        image: PictureSize {
             size,
             samples: scene.samples().count(),
         },
@@ -107,7 +106,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         lighting: LightingTerms::new(&scene, lights),
         materials: Materials::of(&scene),
         geometries: Counts::new(&scene, tables),
-        bounds: Bounds::of(&scene),
+        bounds: BoundsTerms::of(&scene),
         cameras: views.collect(),
     };
     super::print_as(args.output_format, Stamp::Info, &info)
@@ -152,14 +151,14 @@ struct Info<'a> {
     format: u32,
     version: &'static str,
     files: Vec<FileTerms>,
-    image: ImageTerms,
+    image: PictureSize,
     animation: Option<AnimationTerms>,
     background: [f64; 3],
     lighting: Option<LightingTerms>,
     materials: Materials,
     geometries: Counts<'a>,
-    bounds: Option<Bounds>,
-    cameras: Vec<View<'a>>,
+    bounds: Option<BoundsTerms>,
+    cameras: Vec<CameraView<'a>>,
 }
 
 #[derive(Serialize)]
@@ -183,7 +182,7 @@ impl FileTerms {
 }
 
 #[derive(Serialize)]
-struct ImageTerms {
+struct PictureSize {
     #[serde(flatten)]
     size: Size,
     samples: u32,
@@ -199,12 +198,12 @@ struct AnimationTerms {
 
 /// The smallest axis-aligned box around everything finite.
 #[derive(Serialize)]
-struct Bounds {
+struct BoundsTerms {
     min: [f64; 3],
     max: [f64; 3],
 }
 
-impl Bounds {
+impl BoundsTerms {
     fn of(scene: &Scene) -> Option<Self> {
         let [min, max] = scene.world().bounds()?;
         Some(Self {
@@ -216,7 +215,7 @@ impl Bounds {
 
 /// A camera and its view.
 #[derive(Serialize)]
-struct View<'a> {
+struct CameraView<'a> {
     name: Option<&'a str>,
     /// True for a camera that frames the geometries.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -240,11 +239,11 @@ struct View<'a> {
 #[derive(Serialize)]
 struct Depth<'a> {
     #[serde(flatten)]
-    place: Place<'a>,
+    place: GeometryPlace<'a>,
     depth: f64,
 }
 
-impl<'a> View<'a> {
+impl<'a> CameraView<'a> {
     fn new(
         scene: &'a Scene,
         name: Option<&'a str>,
@@ -254,7 +253,7 @@ impl<'a> View<'a> {
     ) -> Self {
         let (width, height) = (size.width(), size.height());
         let depth = |id, depth| Depth {
-            place: Place::new(scene, id),
+            place: GeometryPlace::new(scene, id),
             depth,
         };
         let nearest = seen.iter().min_by(|a, b| a.nearest.total_cmp(&b.nearest));
@@ -309,7 +308,7 @@ impl fmt::Display for Info<'_> {
             writeln!(out)?;
             title = "";
         }
-        let ImageTerms { size, samples } = self.image;
+        let PictureSize { size, samples } = self.image;
         write!(out, "picture        {size}")?;
         if samples > Samples::ONE.count() {
             write!(out, ", {samples} samples per pixel")?;
@@ -326,7 +325,7 @@ impl fmt::Display for Info<'_> {
         }
         write!(out, "{}{}", self.geometries, self.materials)?;
         match &self.bounds {
-            Some(Bounds { min, max }) => {
+            Some(BoundsTerms { min, max }) => {
                 writeln!(out, "bounds         {} to", vector(*min))?;
                 writeln!(
                     out,
@@ -343,7 +342,7 @@ impl fmt::Display for Info<'_> {
     }
 }
 
-impl fmt::Display for View<'_> {
+impl fmt::Display for CameraView<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "\ncamera")?;
         if let Some(name) = self.name {

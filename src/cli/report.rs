@@ -20,7 +20,7 @@ use super::{
 
 /// A geometry of the world, and its place in the scene.
 #[derive(Clone, Serialize)]
-pub(super) struct Place<'a> {
+pub(super) struct GeometryPlace<'a> {
     /// The index in the world, which is the value in the id layer.
     id: usize,
     #[serde(flatten)]
@@ -29,7 +29,7 @@ pub(super) struct Place<'a> {
     parts: InParts<'a>,
 }
 
-impl<'a> Place<'a> {
+impl<'a> GeometryPlace<'a> {
     pub(super) fn new(scene: &'a Scene, id: usize) -> Self {
         Self {
             id,
@@ -139,7 +139,7 @@ impl fmt::Display for InParts<'_> {
     }
 }
 
-impl fmt::Display for Place<'_> {
+impl fmt::Display for GeometryPlace<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.listed.fmt(f)?;
         self.parts.fmt(f)
@@ -173,7 +173,7 @@ impl<'a> ImageTerms<'a> {
 #[derive(Serialize)]
 struct SeenTerms<'a> {
     #[serde(flatten)]
-    place: Place<'a>,
+    place: GeometryPlace<'a>,
     pixels: u64,
     #[serde(rename = "box")]
     bounds: [u32; 4],
@@ -189,7 +189,7 @@ fn text(scene: &Scene, image: &ImageTerms, seen: &[Seen]) -> serde_json::Result<
     );
     for (index, seen) in seen.iter().enumerate() {
         let geometry = serde_json::to_string(&SeenTerms {
-            place: Place::new(scene, seen.id),
+            place: GeometryPlace::new(scene, seen.id),
             pixels: seen.pixels,
             bounds: seen.bounds,
             depth: [seen.nearest, seen.farthest],

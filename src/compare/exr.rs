@@ -6,7 +6,7 @@ use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
 
 use crate::{
     compare::{
-        layers::{Kind, Layer},
+        layers::{Layer, NumberKind},
         limit::{self, PictureOptions, broken},
     },
     diagnostic::error::Error,
@@ -90,11 +90,14 @@ fn side(side: usize) -> u32 {
     u32::try_from(side).unwrap_or(u32::MAX)
 }
 
-fn bytes(samples: &FlatSamples) -> (Kind, Vec<u8>) {
+fn bytes(samples: &FlatSamples) -> (NumberKind, Vec<u8>) {
     match samples {
-        FlatSamples::F16(all) => (Kind::F16, joined(all, |one| one.to_le_bytes())),
-        FlatSamples::F32(all) => (Kind::F32, joined(all, |one| one.to_le_bytes())),
-        FlatSamples::U32(all) => (Kind::Unsigned(4), joined(all, |one| one.to_le_bytes())),
+        FlatSamples::F16(all) => (NumberKind::F16, joined(all, |one| one.to_le_bytes())),
+        FlatSamples::F32(all) => (NumberKind::F32, joined(all, |one| one.to_le_bytes())),
+        FlatSamples::U32(all) => (
+            NumberKind::Unsigned(4),
+            joined(all, |one| one.to_le_bytes()),
+        ),
     }
 }
 

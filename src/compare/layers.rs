@@ -10,7 +10,7 @@ use crate::{
 
 /// The type of a number in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum NumberKind {
     F16,
     F32,
     F64,
@@ -18,7 +18,7 @@ pub(super) enum Kind {
     Unsigned(usize),
 }
 
-impl Kind {
+impl NumberKind {
     /// Returns the size in bytes.
     pub(super) const fn bytes(self) -> usize {
         match self {
@@ -74,7 +74,7 @@ pub(super) struct Layer {
     pub(super) size: Size,
     /// Number of values per pixel.
     pub(super) count: usize,
-    pub(super) kind: Kind,
+    pub(super) kind: NumberKind,
     /// The values, pixel by pixel from the top left, in little-endian order.
     pub(super) bytes: Vec<u8>,
 }
@@ -84,8 +84,8 @@ impl Layer {
     /// RGBA.
     pub(super) fn as_colors(&self) -> Option<(usize, Samples)> {
         let samples = match (self.count, self.kind) {
-            (1 | 3 | 4, Kind::Unsigned(1)) => Samples::Bytes(self.bytes.clone()),
-            (1 | 3 | 4, Kind::Unsigned(2)) => {
+            (1 | 3 | 4, NumberKind::Unsigned(1)) => Samples::Bytes(self.bytes.clone()),
+            (1 | 3 | 4, NumberKind::Unsigned(2)) => {
                 let (words, _) = self.bytes.as_chunks();
                 Samples::Words(words.iter().map(|word| u16::from_le_bytes(*word)).collect())
             }

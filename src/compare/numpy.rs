@@ -6,7 +6,7 @@ use zip::ZipArchive;
 
 use crate::{
     compare::{
-        layers::{Kind, Layer},
+        layers::{Layer, NumberKind},
         limit::{self, PictureOptions},
     },
     diagnostic::error::Error,
@@ -144,7 +144,7 @@ fn by_rows(bytes: &[u8], size: Size, count: usize, one: usize) -> Vec<u8> {
 }
 
 struct Header {
-    kind: Kind,
+    kind: NumberKind,
     is_big: bool,
     is_fortran: bool,
     size: Size,
@@ -167,17 +167,17 @@ fn header(text: &str, options: &PictureOptions) -> Result<Header, Error> {
     };
     let (order, kind) = descr.split_at_checked(1).unwrap_or_default();
     let kind = match kind {
-        "f2" => Kind::F16,
-        "f4" => Kind::F32,
-        "f8" => Kind::F64,
-        "u1" | "b1" => Kind::Unsigned(1),
-        "u2" => Kind::Unsigned(2),
-        "u4" => Kind::Unsigned(4),
-        "u8" => Kind::Unsigned(8),
-        "i1" => Kind::Signed(1),
-        "i2" => Kind::Signed(2),
-        "i4" => Kind::Signed(4),
-        "i8" => Kind::Signed(8),
+        "f2" => NumberKind::F16,
+        "f4" => NumberKind::F32,
+        "f8" => NumberKind::F64,
+        "u1" | "b1" => NumberKind::Unsigned(1),
+        "u2" => NumberKind::Unsigned(2),
+        "u4" => NumberKind::Unsigned(4),
+        "u8" => NumberKind::Unsigned(8),
+        "i1" => NumberKind::Signed(1),
+        "i2" => NumberKind::Signed(2),
+        "i4" => NumberKind::Signed(4),
+        "i8" => NumberKind::Signed(8),
         _ => {
             return Err(broken(format!(
                 "the type is `{descr}`, expected f2, f4, f8, u1 to u8 and i1 to i8"

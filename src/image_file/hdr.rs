@@ -12,7 +12,7 @@ use crate::{
         Content, Draw, Encoding, Form, Format, ImageFormat,
         output::Output,
         pixel::{Pixel, Sample},
-        runs::{Run, runs},
+        runs::{ByteRun, runs},
     },
 };
 
@@ -82,8 +82,8 @@ fn header(size: Size, encoding: Encoding) -> String {
 fn append_runs(bytes: &[u8], file: &mut Vec<u8>) {
     for run in runs(bytes, 4) {
         match run {
-            Run::Equal(count, byte) => file.extend([128 + count, byte]),
-            Run::Unequal(bytes) => {
+            ByteRun::Equal(count, byte) => file.extend([128 + count, byte]),
+            ByteRun::Unequal(bytes) => {
                 file.push(bytes.len() as u8);
                 file.extend(bytes);
             }

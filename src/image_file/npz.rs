@@ -52,7 +52,7 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     let arrays = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPZ, pixel))?;
     let mut end = 0;
     let entries = arrays.iter().filter_map(|array| {
-        let entry = Entry::new(array, size, end)?;
+        let entry = NpzArray::new(array, size, end)?;
         end = entry.data() + entry.bytes;
         Some(entry)
     });
@@ -74,7 +74,7 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
 }
 
 /// A file in the archive.
-struct Entry {
+struct NpzArray {
     name: String,
     sample: Sample,
     header: Vec<u8>,
@@ -87,7 +87,7 @@ struct Entry {
     sum: Hasher,
 }
 
-impl Entry {
+impl NpzArray {
     fn new(array: &Array, size: Size, begin: u64) -> Option<Self> {
         let (count, sample) = npy::layout(array.pixel)?;
         let header = npy::header(size, count, sample);
@@ -168,13 +168,16 @@ impl Entry {
 }
 
 /// Writes the header of each file in front of it, then the directory at `begin`.
-fn write_directory(entries: &[Entry], begin: u64, file: &mut dyn WriteSeek) -> io::Result<()> {
+fn write_directory(entries: &[NpzArray], begin: u64, file: &mut dyn WriteSeek) -> io::Result<()> {
     for entry in entries {
         file.seek(SeekFrom::Start(entry.begin))?;
         file.write_all(&entry.local_header())?;
         file.write_all(&entry.header)?;
     }
-    let directory: Vec<u8> = entries.iter().flat_map(Entry::directory_header).collect();
+    let directory: Vec<u8> = entries
+        .iter()
+        .flat_map(NpzArray::directory_header)
+        .collect();
     file.seek(SeekFrom::Start(begin))?;
     file.write_all(&directory)?;
     // The ZIP64 end record, its locator, then the end record that refers to them.

@@ -49,21 +49,21 @@ struct Unfinished {
 impl<'a> Target<'a> {
     /// Starts writing the file at `path`; `cancel` removes the unfinished file.
     pub(crate) fn create(path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
-        let place = Place::of(path).map_err(|error| Error::unwritable(path, error))?;
+        let place = Destination::of(path).map_err(|error| Error::unwritable(path, error))?;
         Self::at(place, path, cancel)
     }
 
-    fn at(place: Place, path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
+    fn at(place: Destination, path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
         let unwritable = |error| Error::unwritable(path, error);
         let (file, unfinished) = match place {
             // Opened without blocking other threads on `cancel`: opening a pipe may take until
             // someone reads it.
-            Place::Through(place) => {
+            Destination::Through(place) => {
                 cancel.check()?;
                 let opened = OpenOptions::new().write(true).open(place);
                 (opened.map_err(unwritable)?, None)
             }
-            Place::File(place, permissions) => {
+            Destination::File(place, permissions) => {
                 let created = cancel.begin_file(|| {
                     let (file, temporary) = temporary_file(&place)?.into_parts();
                     let path = temporary.to_path_buf();
@@ -182,8 +182,8 @@ pub fn replace_file(
 ) -> Result<(), Error> {
     let path = path.as_ref();
     let unwritable = |error| Error::unwritable(path, error);
-    let place = Place::of(path).map_err(unwritable)?;
-    if matches!(place, Place::Through(_)) {
+    let place = Destination::of(path).map_err(unwritable)?;
+    if matches!(place, Destination::Through(_)) {
         // Opening a pipe may wait for ever.
         return Err(unwritable(io::Error::other("is not a regular file")));
     }
@@ -258,14 +258,14 @@ fn has_bytes(file: &File, mut bytes: &[u8]) -> io::Result<bool> {
 }
 
 /// The destination at the end of a path.
-enum Place {
+enum Destination {
     /// A device or a pipe.
     Through(PathBuf),
     /// A regular file, with its permissions to keep, or nothing yet.
     File(PathBuf, Option<Permissions>),
 }
 
-impl Place {
+impl Destination {
     fn of(path: &Path) -> io::Result<Self> {
         let old = match fs::metadata(path) {
             Ok(old) => old,

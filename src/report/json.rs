@@ -21,14 +21,14 @@ use crate::{
 
 pub(super) struct Json<W> {
     out: W,
-    list: List,
+    list: JsonList,
 }
 
 impl<W: Write> Json<W> {
     pub(super) const fn new(out: W) -> Self {
         Self {
             out,
-            list: List::new("    "),
+            list: JsonList::new("    "),
         }
     }
 
@@ -53,7 +53,7 @@ impl<W: Write> Report for Json<W> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
             self.list
-                .item(&mut self.out, &Entry::new(report, &lines, diagnostic))?;
+                .item(&mut self.out, &JsonEntry::new(report, &lines, diagnostic))?;
         }
         Ok(())
     }
@@ -74,7 +74,7 @@ impl<W: Write> Report for Jsonl<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
-            let entry = Entry::new(report, &lines, diagnostic);
+            let entry = JsonEntry::new(report, &lines, diagnostic);
             write_value(&mut self.0, &Stamped::new(Stamp::Diagnostic, entry))?;
             self.0.write_all(b"\n")?;
         }
@@ -87,10 +87,10 @@ impl<W: Write> Report for Jsonl<W> {
 }
 
 #[derive(Serialize)]
-struct Entry<'a> {
+struct JsonEntry<'a> {
     file: &'a str,
     #[serde(flatten)]
-    span: Span,
+    span: JsonSpan,
     severity: &'static str,
     code: &'static str,
     message: &'a str,
@@ -112,26 +112,26 @@ struct FixEntry<'a> {
 #[derive(Serialize)]
 struct EditEntry<'a> {
     #[serde(flatten)]
-    span: Span,
+    span: JsonSpan,
     text: &'a str,
 }
 
 #[derive(Serialize)]
 struct LabelEntry<'a> {
     #[serde(flatten)]
-    span: Span,
+    span: JsonSpan,
     message: &'a str,
 }
 
 #[derive(Serialize)]
-struct Span {
+struct JsonSpan {
     line: usize,
     column: usize,
     end_line: usize,
     end_column: usize,
 }
 
-impl Span {
+impl JsonSpan {
     fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
         let Place { start, end } = Place::new(lines, range);
         Self {
@@ -143,14 +143,14 @@ impl Span {
     }
 }
 
-impl<'a> Entry<'a> {
+impl<'a> JsonEntry<'a> {
     fn new(report: &FileReport<'a>, lines: &Lines<'_>, diagnostic: &'a Diagnostic) -> Self {
         let labels = diagnostic.labels.iter().map(|label| LabelEntry {
-            span: Span::new(lines, &label.range),
+            span: JsonSpan::new(lines, &label.range),
             message: &label.message,
         });
         let edit = |edit: &'a Edit| EditEntry {
-            span: Span::new(lines, &edit.range),
+            span: JsonSpan::new(lines, &edit.range),
             text: &edit.text,
         };
         let fix = diagnostic.fix.as_ref().map(|fix| FixEntry {
@@ -159,7 +159,7 @@ impl<'a> Entry<'a> {
         });
         Self {
             file: report.file,
-            span: Span::new(lines, &diagnostic.range),
+            span: JsonSpan::new(lines, &diagnostic.range),
             severity: diagnostic.severity.name(),
             code: diagnostic.code.name(),
             message: &diagnostic.message,
@@ -173,7 +173,7 @@ impl<'a> Entry<'a> {
 }
 
 /// An array written item by item, one per line.
-pub(super) struct List {
+pub(super) struct JsonList {
     indent: &'static str,
     state: State,
 }
@@ -184,7 +184,7 @@ enum State {
     Filled,
 }
 
-impl List {
+impl JsonList {
     /// Creates a list; `indent` is the white space before an item. The closing bracket has two
     /// columns less.
     pub(super) const fn new(indent: &'static str) -> Self {

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::{
     Describe, FileReport, Report, Summary, Suppressed, UsedBy,
-    json::{List, write_value},
+    json::{JsonList, write_value},
     summary::counted,
 };
 use crate::{
@@ -24,7 +24,7 @@ use crate::{
 pub(super) struct Sarif<W> {
     out: W,
     describe: Describe,
-    results: List,
+    results: JsonList,
     not_listed: Suppressed,
 }
 
@@ -33,7 +33,7 @@ impl<W: Write> Sarif<W> {
         Self {
             out,
             describe,
-            results: List::new("        "),
+            results: JsonList::new("        "),
             not_listed: Suppressed::default(),
         }
     }
@@ -57,7 +57,7 @@ impl<W: Write> Sarif<W> {
           "rules": "#,
             env!("CARGO_PKG_VERSION"),
         )?;
-        let mut rules = List::new("            ");
+        let mut rules = JsonList::new("            ");
         rules.open(out)?;
         for code in Code::ALL {
             rules.item(out, &Rule::new(*code, (self.describe)(*code)))?;

@@ -14,7 +14,7 @@ use super::{
     super::Failure,
     Args,
     results::Results,
-    row::{Images, Kind, Row, Shown, compare, same_bytes},
+    row::{Images, Row, Shown, Verdict, compare, same_bytes},
 };
 
 /// The extensions of pictures that are read but not written.
@@ -117,10 +117,10 @@ fn one(
     let start = Instant::now();
     let (a, b) = (args.a.join(name), args.b.join(name));
     let (row, shown) = match sides {
-        [true, false] => (Row::new(name, Kind::Missing), None),
-        [false, _] => (Row::new(name, Kind::Extra), None),
+        [true, false] => (Row::new(name, Verdict::Missing), None),
+        [false, _] => (Row::new(name, Verdict::Extra), None),
         [true, true] if same_bytes(&a, &b).unwrap_or_default() => {
-            (Row::new(name, Kind::Equal), None)
+            (Row::new(name, Verdict::Equal), None)
         }
         [true, true] => match compare([&a, &b], args, options, images) {
             Ok((report, shown)) => (Row::compared(name, report), shown),

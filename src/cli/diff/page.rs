@@ -11,7 +11,7 @@ use std::{
 
 use strahl::report::escaped;
 
-use super::row::{Kind, Row, Shown};
+use super::row::{Row, Shown, Verdict};
 
 /// The maximum number of bytes of pictures, as encoded in the page.
 const MOST_BYTES: usize = 64 << 20;
@@ -55,7 +55,7 @@ impl Page {
 
     /// Adds a picture that differs. Once one does not fit, no more are shown.
     pub(super) fn add(&mut self, row: &Row, shown: Option<&Shown>) {
-        if row.result != Kind::Different {
+        if row.result != Verdict::Different {
             return;
         }
         let name = escaped(&row.name.to_string_lossy());
@@ -106,7 +106,7 @@ impl Page {
                 "<p>The page holds at most {most} MiB of pictures; the pictures of {count} failures are left out.</p>"
             );
         }
-        for kind in [Kind::Missing, Kind::Extra, Kind::Unreadable] {
+        for kind in [Verdict::Missing, Verdict::Extra, Verdict::Unreadable] {
             let mut rows = rows.iter().filter(|row| row.result == kind).peekable();
             if rows.peek().is_none() {
                 continue;

@@ -9,7 +9,7 @@ use strahl::{
     text::sanitize,
 };
 
-use super::{limits::Limits, row::Kind};
+use super::{limits::Limits, row::Verdict};
 
 /// The result for two pictures.
 #[derive(Serialize)]
@@ -19,7 +19,7 @@ pub(super) struct Report {
     /// The limits that were exceeded, or `equal` or `size`.
     pub(super) failed: Vec<&'static str>,
     /// The figures, for pictures of the same size.
-    found: Option<Found>,
+    found: Option<Measures>,
 }
 
 #[derive(Serialize)]
@@ -40,7 +40,7 @@ impl Side {
 
 /// The figures. Numbers that are not finite become null.
 #[derive(Serialize)]
-struct Found {
+struct Measures {
     equal: bool,
     values: &'static str,
     pixels: u64,
@@ -48,7 +48,7 @@ struct Found {
     all: Comparison,
 }
 
-impl Found {
+impl Measures {
     fn new(found: Comparison) -> Self {
         Self {
             equal: found.is_equal(),
@@ -136,15 +136,15 @@ impl Report {
                 Some(found) => limits.broken(found),
                 None => vec!["size"],
             },
-            found: found.map(Found::new),
+            found: found.map(Measures::new),
         }
     }
 
-    pub(super) fn kind(&self) -> Kind {
+    pub(super) fn kind(&self) -> Verdict {
         match &self.found {
-            Some(found) if self.failed.is_empty() && found.equal => Kind::Equal,
-            Some(_) if self.failed.is_empty() => Kind::WithinLimits,
-            _ => Kind::Different,
+            Some(found) if self.failed.is_empty() && found.equal => Verdict::Equal,
+            Some(_) if self.failed.is_empty() => Verdict::WithinLimits,
+            _ => Verdict::Different,
         }
     }
 

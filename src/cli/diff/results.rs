@@ -23,7 +23,7 @@ use super::{
     super::Failure,
     Args, Format,
     page::Page,
-    row::{Kind, Row, Shown},
+    row::{Row, Shown, Verdict},
 };
 
 /// The results of all pictures.
@@ -104,7 +104,7 @@ impl<'a> Results<'a> {
         };
         let printed = super::super::print(&text);
         let mut rows = self.rows.iter();
-        let result = if summary.counts.get(&Kind::Unreadable) > Some(&0) {
+        let result = if summary.counts.get(&Verdict::Unreadable) > Some(&0) {
             Err(Failure::Reported)
         } else if rows.any(Row::fails) {
             Err(Failure::Found)
@@ -116,17 +116,17 @@ impl<'a> Results<'a> {
 
     fn to_text(&self, summary: &Summary) -> String {
         let mut text = String::new();
-        for row in self.rows.iter().filter(|row| row.result != Kind::Equal) {
+        for row in self.rows.iter().filter(|row| row.result != Verdict::Equal) {
             let kind = match (row.updated, row.result) {
-                (true, Kind::Extra) => "added",
+                (true, Verdict::Extra) => "added",
                 (true, _) => "updated",
-                (false, Kind::WithinLimits) => "within",
+                (false, Verdict::WithinLimits) => "within",
                 (false, kind) => kind.name(),
             };
             let name = row.name.to_string_lossy();
             let name = sanitize(&name);
             let _ = match row.result {
-                Kind::Unreadable => writeln!(text, "{kind:<11} {}", row.about()),
+                Verdict::Unreadable => writeln!(text, "{kind:<11} {}", row.about()),
                 _ => writeln!(text, "{kind:<11} {name}: {}", row.about()),
             };
         }
@@ -203,7 +203,7 @@ fn heat_name(name: &Path) -> PathBuf {
 #[derive(Serialize)]
 pub(super) struct Summary {
     #[serde(flatten)]
-    counts: BTreeMap<Kind, usize>,
+    counts: BTreeMap<Verdict, usize>,
     updated: usize,
     skipped: u64,
 }
@@ -212,7 +212,7 @@ impl Summary {
     fn new(rows: &[Row], skipped: u64) -> Self {
         let count = |kind| rows.iter().filter(|row| row.result == kind).count();
         Self {
-            counts: Kind::ALL.map(|kind| (kind, count(kind))).into(),
+            counts: Verdict::ALL.map(|kind| (kind, count(kind))).into(),
             updated: rows.iter().filter(|row| row.updated).count(),
             skipped,
         }
@@ -221,7 +221,7 @@ impl Summary {
     fn to_text(&self) -> String {
         // The first five are always present, so that the line has a fixed form.
         let counts = self.counts.iter();
-        let counts = counts.filter(|(kind, count)| **kind != Kind::Unreadable || **count > 0);
+        let counts = counts.filter(|(kind, count)| **kind != Verdict::Unreadable || **count > 0);
         let counts: Vec<_> = counts
             .map(|(kind, count)| format!("{count} {}", kind.name()))
             .collect();

@@ -18,7 +18,7 @@ use super::{Args, pair::Report};
 /// The result of comparing two pictures, in the order of the summary.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Kind {
+pub(super) enum Verdict {
     Equal,
     WithinLimits,
     Different,
@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Unreadable,
 }
 
-impl Kind {
+impl Verdict {
     pub(super) const ALL: [Self; 6] = [
         Self::Equal,
         Self::WithinLimits,
@@ -59,7 +59,7 @@ impl Kind {
 pub(super) struct Row {
     #[serde(rename = "file", serialize_with = "lossy")]
     pub(super) name: PathBuf,
-    pub(super) result: Kind,
+    pub(super) result: Verdict,
     /// True if `--update` accepted the new picture.
     pub(super) updated: bool,
     #[serde(skip)]
@@ -73,7 +73,7 @@ fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
 }
 
 impl Row {
-    pub(super) fn new(name: &Path, result: Kind) -> Self {
+    pub(super) fn new(name: &Path, result: Verdict) -> Self {
         Self {
             name: name.to_owned(),
             result,
@@ -97,20 +97,20 @@ impl Row {
     pub(super) fn unreadable(name: &Path, error: &Error) -> Self {
         Self {
             error: Some(error.to_string()),
-            ..Self::new(name, Kind::Unreadable)
+            ..Self::new(name, Verdict::Unreadable)
         }
     }
 
     /// Returns true if the pictures differ too much and `--update` did not accept that.
     pub(super) fn fails(&self) -> bool {
-        !matches!(self.result, Kind::Equal | Kind::WithinLimits) && !self.updated
+        !matches!(self.result, Verdict::Equal | Verdict::WithinLimits) && !self.updated
     }
 
     /// Returns the details besides the kind and the name.
     pub(super) fn about(&self) -> String {
         match self.result {
-            Kind::Missing => "no new picture".to_owned(),
-            Kind::Extra => "no golden picture".to_owned(),
+            Verdict::Missing => "no new picture".to_owned(),
+            Verdict::Extra => "no golden picture".to_owned(),
             _ => {
                 let compared = self.compared.as_ref().map(|report| report.line());
                 compared.or_else(|| self.error.clone()).unwrap_or_default()

@@ -36,14 +36,14 @@ const PART: usize = 100;
 
 /// The files that were checked, for the next time.
 #[derive(Clone, Default)]
-pub(super) struct Workspace(Arc<Mutex<Known>>);
+pub(super) struct Workspace(Arc<Mutex<CheckedFiles>>);
 
-type Known = HashMap<PathBuf, Entry>;
+type CheckedFiles = HashMap<PathBuf, CheckedFile>;
 
 /// A file that was checked.
-struct Entry {
+struct CheckedFile {
     /// The state of the file and of those that it depends on then.
-    stamps: Vec<Stamp>,
+    stamps: Vec<FileStamp>,
     /// Its diagnostics, unless it is not a scene.
     items: Option<Items>,
 }
@@ -56,9 +56,9 @@ struct Items {
 }
 
 /// A file, and its length and time.
-type Stamp = (PathBuf, Option<(u64, SystemTime)>);
+type FileStamp = (PathBuf, Option<(u64, SystemTime)>);
 
-fn stamp(path: &Path) -> Stamp {
+fn stamp(path: &Path) -> FileStamp {
     let about = fs::metadata(path).ok();
     let about = about.and_then(|about| Some((about.len(), about.modified().ok()?)));
     (path.to_owned(), about)
@@ -76,7 +76,7 @@ pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagno
         let snapshot = document.snapshot(&server.client);
         Some((document.path.clone()?, snapshot))
     });
-    let run = Run {
+    let run = FolderCheck {
         client: Arc::clone(&server.client),
         outbox: server.outbox.clone(),
         token: params
@@ -100,7 +100,7 @@ pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagno
 /// The settings of the scenes with a configuration.
 pub(super) type SettingsOf = Box<dyn Fn(&strahl::jobs::Config) -> OfScene + Send>;
 
-struct Run {
+struct FolderCheck {
     client: Arc<Client>,
     outbox: Outbox,
     /// The token of the parts that the client wants.
@@ -117,7 +117,7 @@ struct Run {
     waiting: Vec<PathBuf>,
 }
 
-impl Run {
+impl FolderCheck {
     fn answer(mut self, settings: &SettingsOf, cancel: &Cancel) -> Answer {
         for folder in self.folders.clone() {
             // A folder without scenes is not a fault here.
@@ -218,7 +218,7 @@ impl Run {
 
     fn has_changed(&self, path: &Path) -> bool {
         let known = lock(&self.workspace.0);
-        let is_same = |old: &Stamp| !self.open.contains_key(&old.0) && stamp(&old.0) == *old;
+        let is_same = |old: &FileStamp| !self.open.contains_key(&old.0) && stamp(&old.0) == *old;
         let known = known.get(path);
         self.open.contains_key(path) || !known.is_some_and(|entry| entry.stamps.iter().all(is_same))
     }
@@ -272,7 +272,7 @@ impl Run {
         let files = files.map(|file| stamp(&file));
         let stamps = iter::once(stamp(path)).chain(files).collect();
         let mut known = lock(&self.workspace.0);
-        known.insert(path.to_owned(), Entry { stamps, items });
+        known.insert(path.to_owned(), CheckedFile { stamps, items });
     }
 
     /// Returns the report of a file; `None` if it is not a scene.

@@ -28,9 +28,9 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// True once a request of the connection had the token.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Known(Arc<AtomicBool>);
+pub(super) struct Trusted(Arc<AtomicBool>);
 
-impl Known {
+impl Trusted {
     /// Notes that a request had the token.
     pub(super) fn set(&self) {
         self.0.store(true, Ordering::Relaxed);
@@ -43,7 +43,7 @@ impl Known {
 
 /// A connection that has not shown the token yet.
 struct Stranger {
-    known: Known,
+    known: Trusted,
     task: AbortHandle,
 }
 
@@ -67,7 +67,7 @@ pub(super) async fn serve(listener: std::net::TcpListener, router: Router) -> io
         {
             oldest.task.abort();
         }
-        let known = Known::default();
+        let known = Trusted::default();
         let service = TowerToHyperService::new(router.clone().layer(Extension(known.clone())));
         let served = server.serve_connection(TokioIo::new(stream), service);
         let task = tokio::spawn(async move {

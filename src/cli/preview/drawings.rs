@@ -22,9 +22,9 @@ const LARGEST: usize = 64 << 20;
 type Drawn = Result<Bytes, Refusal>;
 
 #[derive(Default)]
-pub(super) struct Drawings(Mutex<VecDeque<Entry>>);
+pub(super) struct Drawings(Mutex<VecDeque<KeptDrawing>>);
 
-struct Entry {
+struct KeptDrawing {
     key: String,
     cancel: Cancel,
     /// The number of requests that wait.
@@ -32,7 +32,7 @@ struct Entry {
     done: watch::Receiver<Option<Drawn>>,
 }
 
-impl Entry {
+impl KeptDrawing {
     fn size(&self) -> Option<usize> {
         let done = self.done.borrow();
         Some(done.as_ref()?.as_ref().map_or(0, Bytes::len))
@@ -68,7 +68,7 @@ impl Drawings {
         }
         let cancel = Cancel::new();
         let (sender, done) = watch::channel(None);
-        entries.push_back(Entry {
+        entries.push_back(KeptDrawing {
             key,
             cancel: cancel.clone(),
             waiting: 1,

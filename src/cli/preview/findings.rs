@@ -8,7 +8,7 @@ use strahl::{
     text::Lines,
 };
 
-use super::places::{Place, PlacedEdit, Span};
+use super::places::{PagePlace, PageSpan, PlacedEdit};
 
 /// The most diagnostics that a page gets.
 const MOST: usize = 200;
@@ -26,7 +26,7 @@ pub(super) fn all(document: &Document) -> Vec<Value> {
 
 fn one(lines: &Lines, fault: &Diagnostic) -> Value {
     let labels = fault.labels.iter().map(|label| {
-        let Span { from, to } = Span::new(lines, &label.range);
+        let PageSpan { from, to } = PageSpan::new(lines, &label.range);
         json!({"message": label.message, "from": from, "to": to})
     });
     let fix = |fix: &Fix| {
@@ -36,11 +36,11 @@ fn one(lines: &Lines, fault: &Diagnostic) -> Value {
     // The place in the table or the mesh that is at fault.
     let in_file = fault.in_file.as_ref().map(|in_file| {
         let lines = Lines::after(in_file.line - 1, &in_file.text);
-        let Place { line, column } = Place::new(&lines, in_file.range.start);
+        let PagePlace { line, column } = PagePlace::new(&lines, in_file.range.start);
         let (file, message) = (&in_file.file, &in_file.message);
         json!({"file": file, "line": line, "column": column, "message": message})
     });
-    let Span { from, to } = Span::new(lines, &fault.range);
+    let PageSpan { from, to } = PageSpan::new(lines, &fault.range);
     json!({
         "code": fault.code.name(),
         "severity": fault.severity.name(),

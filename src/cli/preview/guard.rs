@@ -14,7 +14,7 @@ use axum::{
 };
 
 use super::{
-    connections::Known,
+    connections::Trusted,
     opening::Opening,
     page,
     routes::{Refusal, refuse},
@@ -124,7 +124,7 @@ pub(super) async fn watch(
 ) -> Response {
     let mut response = match guard.check(request.uri(), request.headers()) {
         Ok(has_token) => {
-            if let Some(known) = request.extensions().get::<Known>().filter(|_| has_token) {
+            if let Some(known) = request.extensions().get::<Trusted>().filter(|_| has_token) {
                 known.set();
                 guard.opening.end();
             }

@@ -17,20 +17,20 @@ const SCRIPT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/page.js.zlib"));
 const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// The parts of the page: they are the same for everybody, so they need no token.
-const PARTS: [Part; 4] = [
-    Part::text("/events.js", JAVASCRIPT, EVENTS),
-    Part {
+const PARTS: [Asset; 4] = [
+    Asset::text("/events.js", JAVASCRIPT, EVENTS),
+    Asset {
         path: "/page.js",
         kind: JAVASCRIPT,
         content: SCRIPT,
         is_compressed: true,
     },
-    Part::text("/page.css", "text/css; charset=utf-8", STYLE),
-    Part::text("/icon.svg", "image/svg+xml", ICON),
+    Asset::text("/page.css", "text/css; charset=utf-8", STYLE),
+    Asset::text("/icon.svg", "image/svg+xml", ICON),
 ];
 
 /// A part of the page.
-struct Part {
+struct Asset {
     path: &'static str,
     /// The media type.
     kind: &'static str,
@@ -39,7 +39,7 @@ struct Part {
     is_compressed: bool,
 }
 
-impl Part {
+impl Asset {
     const fn text(path: &'static str, kind: &'static str, content: &'static str) -> Self {
         Self {
             path,

@@ -7,7 +7,7 @@ use strahl::session::{Part, PartList};
 
 use super::{
     desk::Desk,
-    places::{Place, Span},
+    places::{PagePlace, PageSpan},
     routes::refuse,
     texts::{Answer, Version, checked, new_edits},
 };
@@ -22,7 +22,7 @@ pub(super) fn list(desk: &Desk, asked: Version) -> Answer {
     let parts = checked.parts();
     let more = parts.len().saturating_sub(MOST);
     let placed = |part: Part| {
-        let span = Span::new(&lines, &part.range);
+        let span = PageSpan::new(&lines, &part.range);
         json!({
             "kind": part.kind.name(),
             "name": part.name,
@@ -52,7 +52,7 @@ pub(super) fn list(desk: &Desk, asked: Version) -> Answer {
 pub(super) struct Change {
     version: u64,
     /// The place of a part to hide or to show.
-    hide_or_show: Option<Place>,
+    hide_or_show: Option<PagePlace>,
     /// The list that a part is added to.
     list: Option<String>,
     /// The variant of the part.

@@ -21,7 +21,7 @@ use strahl::{
 use super::{
     desk::Desk,
     drawings::Drawings,
-    places::{Place, Span},
+    places::{PagePlace, PageSpan},
     routes::{App, Refusal, apart, apart_until_dropped, refuse},
     texts::{Answer, checked, new_edits},
 };
@@ -153,7 +153,7 @@ pub(super) async fn outline(
     Query(asked): Query<Asked>,
 ) -> Result<Response, Refusal> {
     let (scene, view) = (asked.scene(&desk)?, asked.view()?);
-    let place = Place::at(asked.line, asked.column);
+    let place = PagePlace::at(asked.line, asked.column);
     let geometry = apart(move || {
         if let Some(geometry) = asked.geometry {
             return Ok(Some(geometry.parse::<Origin>()?));
@@ -200,7 +200,7 @@ struct SeenGeometry {
     /// True for the columns of the file.
     is_from_file: bool,
     #[serde(flatten)]
-    span: Option<Span>,
+    span: Option<PageSpan>,
 }
 
 pub(super) async fn pixel(
@@ -237,7 +237,7 @@ pub(super) async fn pixel(
             is_from_file: cells.is_from_file,
             span: checked.and_then(|checked| {
                 let range = scene.text_range(seen.id)?;
-                Some(Span::new(&checked.document().lines(), &range))
+                Some(PageSpan::new(&checked.document().lines(), &range))
             }),
         });
         Ok(Json(Pixel {

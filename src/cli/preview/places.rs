@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 use strahl::text::{Columns, Edit, Lines, Position};
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Place {
+pub(super) struct PagePlace {
     pub(super) line: usize,
     pub(super) column: usize,
 }
 
-impl Place {
+impl PagePlace {
     pub(super) const fn at(line: usize, column: usize) -> Self {
         Self { line, column }
     }
@@ -30,16 +30,16 @@ impl Place {
 
 /// A range of a text, end exclusive.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Span {
-    pub(super) from: Place,
-    pub(super) to: Place,
+pub(super) struct PageSpan {
+    pub(super) from: PagePlace,
+    pub(super) to: PagePlace,
 }
 
-impl Span {
+impl PageSpan {
     pub(super) fn new(lines: &Lines, range: &Range<usize>) -> Self {
         Self {
-            from: Place::new(lines, range.start),
-            to: Place::new(lines, range.end),
+            from: PagePlace::new(lines, range.start),
+            to: PagePlace::new(lines, range.end),
         }
     }
 }
@@ -48,21 +48,21 @@ impl Span {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct PlacedEdit {
     #[serde(flatten)]
-    span: Span,
+    span: PageSpan,
     text: String,
 }
 
 impl PlacedEdit {
     pub(super) fn new(lines: &Lines, edit: &Edit) -> Self {
         Self {
-            span: Span::new(lines, &edit.range),
+            span: PageSpan::new(lines, &edit.range),
             text: shown(&edit.text),
         }
     }
 
     /// Returns the edit in a text, with the line ends of that text.
     pub(super) fn in_text(&self, lines: &Lines, text: &str) -> Edit {
-        let Span { from, to } = self.span;
+        let PageSpan { from, to } = self.span;
         let end = to.offset(lines);
         Edit {
             range: from.offset(lines).min(end)..end,

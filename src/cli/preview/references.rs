@@ -30,16 +30,16 @@ const LARGEST: usize = 1 << 30;
 const DIFFERENCE: &str = "x-strahl-difference";
 
 #[derive(Default)]
-pub(super) struct References(Mutex<Known>);
+pub(super) struct References(Mutex<KeptPictures>);
 
 #[derive(Default)]
-struct Known {
+struct KeptPictures {
     /// Number of pictures that were ever added.
     count: u64,
     pictures: VecDeque<(String, Arc<Picture>)>,
 }
 
-impl Known {
+impl KeptPictures {
     /// Drops the oldest pictures until this many are left, with this many bytes together.
     fn shrink(&mut self, most: usize, bytes: usize) {
         let size = |known: &Self| -> usize {
@@ -140,11 +140,11 @@ mod tests {
             Arc::new(Picture::from_bytes(&file, &PictureOptions::new()).unwrap())
         };
         let pictures = (0..9).map(|id: u32| (id.to_string(), picture()));
-        let mut known = Known {
+        let mut known = KeptPictures {
             count: 9,
             pictures: pictures.collect(),
         };
-        let left = |known: &Known| {
+        let left = |known: &KeptPictures| {
             known
                 .pictures
                 .iter()

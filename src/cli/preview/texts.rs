@@ -21,7 +21,7 @@ use super::{
         line_diff::{LineDiff, Side},
     },
     desk::Desk,
-    places::{Place, PlacedEdit, Span, shown},
+    places::{PagePlace, PageSpan, PlacedEdit, shown},
     routes::{Refusal, refuse},
 };
 
@@ -128,7 +128,7 @@ pub(super) struct At {
 impl At {
     fn offset(&self, document: &Document) -> usize {
         let (line, column) = (self.line, self.column);
-        Place::at(line, column).offset(&document.lines())
+        PagePlace::at(line, column).offset(&document.lines())
     }
 }
 
@@ -136,7 +136,7 @@ pub(super) fn completions(desk: &Desk, asked: At) -> Answer {
     let checked = checked(desk, asked.version)?;
     let document = checked.document();
     let found = document.completions(asked.offset(document));
-    let span = Span::new(&document.lines(), &found.range);
+    let span = PageSpan::new(&document.lines(), &found.range);
     let items = found.items.iter().map(|item| {
         json!({
             "label": item.label,
@@ -158,7 +158,7 @@ pub(super) fn hover(desk: &Desk, asked: At) -> Result<Response, Refusal> {
     let Some(found) = document.hover(asked.offset(document)) else {
         return Ok(StatusCode::NO_CONTENT.into_response());
     };
-    let span = Span::new(&document.lines(), &found.range);
+    let span = PageSpan::new(&document.lines(), &found.range);
     let answer = json!({
         "from": span.from,
         "to": span.to,
@@ -180,10 +180,10 @@ pub(super) fn colors(desk: &Desk, asked: VersionLines) -> Answer {
     let checked = checked(desk, asked.version)?;
     let document = checked.document();
     let lines = document.lines();
-    let start = |line| Place::at(line, 1).offset(&lines);
+    let start = |line| PagePlace::at(line, 1).offset(&lines);
     let (first, last) = (start(asked.first), start(asked.last.saturating_add(1)));
     let colors = document.colors(first..last).into_iter().map(|place| {
-        let span = Span::new(&lines, &place.range);
+        let span = PageSpan::new(&lines, &place.range);
         let [r, g, b] = place.color.to_rgb8();
         json!({
             "from": span.from,

@@ -40,7 +40,7 @@ pub(super) struct Made<'a> {
 }
 
 /// The view of one camera, and the name of its picture.
-struct View<'b> {
+struct NamedView<'b> {
     scene: Scene,
     file: String,
     camera: Option<String>,
@@ -226,7 +226,7 @@ impl Run<'_> {
         self.movie.map(movie).transpose()
     }
 
-    fn movie_of<'s>(&'s self, view: &'s View) -> Result<Option<Movie<'s>>, Failure> {
+    fn movie_of<'s>(&'s self, view: &'s NamedView) -> Result<Option<Movie<'s>>, Failure> {
         self.movie(&view.scene, view.camera.as_deref(), view.rows)
     }
 
@@ -255,7 +255,7 @@ impl Run<'_> {
     }
 
     /// Returns a hash of everything that a camera's file depends on.
-    fn hash(&self, view: &View) -> Result<String, Failure> {
+    fn hash(&self, view: &NamedView) -> Result<String, Failure> {
         match self.movie_of(view)? {
             Some(movie) => movie.hash(&self.render),
             None => Ok(view.scene.hash(&view.file, &self.render)?),
@@ -263,7 +263,7 @@ impl Run<'_> {
     }
 
     /// Returns the files of a camera, relative to the folder of the pictures.
-    fn files(&self, view: &View) -> Result<Vec<PathBuf>, Failure> {
+    fn files(&self, view: &NamedView) -> Result<Vec<PathBuf>, Failure> {
         let path = PathBuf::from(&view.file);
         if is_dash(&path) {
             return Ok(Vec::new());
@@ -282,7 +282,7 @@ impl Run<'_> {
         rows: OtherRows<'b>,
         item: &Item,
         name: &str,
-    ) -> Result<Vec<View<'b>>, Failure> {
+    ) -> Result<Vec<NamedView<'b>>, Failure> {
         let mut views = Vec::new();
         let cameras = match item.camera.as_deref() {
             Some(camera) => vec![Some(camera.to_owned())],
@@ -292,7 +292,7 @@ impl Run<'_> {
             if let Some(name) = &camera {
                 scene = cameras::see_by(scene, name)?;
             }
-            views.push(View {
+            views.push(NamedView {
                 scene: self.seen(scene.clone(), rows.seen_with)?,
                 file: cameras::name_of(name, camera.as_deref()),
                 camera,
@@ -320,12 +320,12 @@ impl Run<'_> {
     /// Draws the view of one camera, in this many steps of the bar, and writes its report.
     fn draw_view(
         &self,
-        view: &View,
+        view: &NamedView,
         item: &Item,
         threads: usize,
         steps: u64,
     ) -> Result<(), Failure> {
-        let View {
+        let NamedView {
             scene,
             file,
             camera,

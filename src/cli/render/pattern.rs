@@ -8,11 +8,11 @@ use super::super::Failure;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Pattern {
     text: String,
-    parts: Vec<Part>,
+    parts: Vec<PatternPart>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Part {
+enum PatternPart {
     Text(String),
     /// A placeholder for a value, with a width to which numbers are padded with zeros.
     Place(String, usize),
@@ -54,14 +54,14 @@ impl Pattern {
                 }
             };
             if !literal.is_empty() {
-                parts.push(Part::Text(std::mem::take(&mut literal)));
+                parts.push(PatternPart::Text(std::mem::take(&mut literal)));
             }
-            parts.push(Part::Place(name.trim().to_owned(), width));
+            parts.push(PatternPart::Place(name.trim().to_owned(), width));
             rest = behind;
         }
         literal.push_str(rest);
         if !literal.is_empty() {
-            parts.push(Part::Text(literal));
+            parts.push(PatternPart::Text(literal));
         }
         Ok(Self {
             text: text.to_owned(),
@@ -72,8 +72,8 @@ impl Pattern {
     /// Returns the names of the placeholders.
     pub(crate) fn places(&self) -> impl Iterator<Item = &str> + Clone {
         self.parts.iter().filter_map(|part| match part {
-            Part::Place(name, _) => Some(&**name),
-            Part::Text(_) => None,
+            PatternPart::Place(name, _) => Some(&**name),
+            PatternPart::Text(_) => None,
         })
     }
 
@@ -85,7 +85,7 @@ impl Pattern {
     /// Returns the text before the first placeholder.
     pub(crate) fn beginning(&self) -> &str {
         match self.parts.first() {
-            Some(Part::Text(text)) => text,
+            Some(PatternPart::Text(text)) => text,
             _ => "",
         }
     }
@@ -95,8 +95,8 @@ impl Pattern {
         let mut filled = String::new();
         for part in &self.parts {
             match part {
-                Part::Text(text) => filled.push_str(text),
-                Part::Place(name, width) => match value(name) {
+                PatternPart::Text(text) => filled.push_str(text),
+                PatternPart::Place(name, width) => match value(name) {
                     Some(value) if value.bytes().all(|byte| byte.is_ascii_digit()) => {
                         filled.push_str(&format!("{value:0>width$}", width = *width));
                     }

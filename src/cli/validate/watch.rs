@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         if !is_first {
             begin(&changed)?;
         }
-        known = Some(Known::watch(args, &rounds)?);
+        known = Some(WatchedScenes::watch(args, &rounds)?);
         scene::forget_printed();
         match super::check(args, Some(rounds.files())) {
             Err(closed @ Failure::Closed { .. }) => return Err(closed),
@@ -55,7 +55,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The files of a round.
-struct Known<'a> {
+struct WatchedScenes<'a> {
     args: &'a Args,
     /// The files that the command names, and those that say how scenes are checked.
     named: BTreeSet<PathBuf>,
@@ -63,7 +63,7 @@ struct Known<'a> {
     scenes: BTreeSet<PathBuf>,
 }
 
-impl<'a> Known<'a> {
+impl<'a> WatchedScenes<'a> {
     /// Finds the files, and watches them before they are read.
     fn watch(args: &'a Args, rounds: &Rounds) -> Result<Self, Failure> {
         let configs = args.config.configs();
@@ -137,7 +137,7 @@ fn is_output(file: &Path) -> bool {
 }
 
 /// Waits until a file that matters has changed.
-fn next_change(rounds: &Rounds, known: &Known) -> BTreeSet<PathBuf> {
+fn next_change(rounds: &Rounds, known: &WatchedScenes) -> BTreeSet<PathBuf> {
     loop {
         let changed = known.relevant(rounds, rounds.next().changed);
         if !changed.is_empty() {

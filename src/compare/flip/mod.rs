@@ -80,7 +80,7 @@ impl Flip {
         isa: Isa,
     ) -> Vec<f64> {
         let mut errors = Vec::with_capacity(region.width() * region.height());
-        let mut sides = [a, b].map(|planes| Side::new(planes, region, isa));
+        let mut sides = [a, b].map(|planes| SeenPicture::new(planes, region, isa));
         for y in region.top..region.bottom {
             sides.iter_mut().for_each(|side| side.see(self, y));
             let [a, b] = &sides;
@@ -111,7 +111,7 @@ impl Flip {
 }
 
 /// Returns the difference of edges and points in 0..1 (section 4.2).
-fn feature(a: &Side, b: &Side, x: usize) -> f64 {
+fn feature(a: &SeenPicture, b: &SeenPicture, x: usize) -> f64 {
     let length = |pair: &[Vec<f64>; 2]| {
         let [across, down] = [pair[0][x], pair[1][x]];
         libm::sqrt(across * across + down * down)
@@ -133,7 +133,7 @@ fn sensitivity(b: f64) -> Taps {
 }
 
 /// A row of one picture, as the eye sees it.
-struct Side<'a> {
+struct SeenPicture<'a> {
     planes: &'a [Plane; 3],
     from: usize,
     width: usize,
@@ -143,7 +143,7 @@ struct Side<'a> {
     points: [Vec<f64>; 2],
 }
 
-impl<'a> Side<'a> {
+impl<'a> SeenPicture<'a> {
     fn new(planes: &'a [Plane; 3], region: Region, isa: Isa) -> Self {
         Self {
             planes,

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::image_file::{
     Compression,
     deflate::zlib,
-    runs::{Run, runs},
+    runs::{ByteRun, runs},
 };
 
 /// The compression method of the blocks, by its number in the format.
@@ -68,8 +68,8 @@ fn run_lengths(bytes: &[u8]) -> Vec<u8> {
     let mut lengths = Vec::new();
     for run in runs(bytes, 3) {
         match run {
-            Run::Equal(count, byte) => lengths.extend([count - 1, byte]),
-            Run::Unequal(bytes) => {
+            ByteRun::Equal(count, byte) => lengths.extend([count - 1, byte]),
+            ByteRun::Unequal(bytes) => {
                 lengths.push((bytes.len() as u8).wrapping_neg());
                 lengths.extend(bytes);
             }

@@ -108,19 +108,19 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
 }
 
 /// A channel and the range of its numbers in a row.
-struct Part<'a> {
+struct ChannelBytes<'a> {
     channel: &'a Channel,
     begin: usize,
     end: usize,
 }
 
 /// Returns the channels in the order of the format: by the bytes of their names.
-fn parts(channels: &[Channel], size: Size) -> Vec<Part<'_>> {
+fn parts(channels: &[Channel], size: Size) -> Vec<ChannelBytes<'_>> {
     let mut end = 0;
     let parts = channels.iter().map(|channel| {
         let begin = end;
         end += size.width() as usize * channel.sample.bytes();
-        Part {
+        ChannelBytes {
             channel,
             begin,
             end,

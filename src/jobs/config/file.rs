@@ -33,12 +33,12 @@ const KEYS: &[&str] = &[
     "allow-outside",
 ];
 
-type Value<'t> = Spanned<DeValue<'t>>;
+type TomlValue<'t> = Spanned<DeValue<'t>>;
 /// A function that changes the level of a code.
 type SetLevel = fn(&mut Levels, Code);
 
 /// The range of a fault, and its message.
-type Fault = (Range<usize>, String);
+type ConfigFault = (Range<usize>, String);
 
 /// Parses the text of a file.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Config, Error> {
@@ -52,12 +52,12 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Config, Error> {
     })
 }
 
-fn config(text: &str, path: &Path) -> Result<Config, Fault> {
+fn config(text: &str, path: &Path) -> Result<Config, ConfigFault> {
     let table = DeTable::parse(text).map_err(|error| {
         let message = error.message().lines().collect::<Vec<_>>().join(", ");
         (error.span().unwrap_or_default(), message)
     })?;
-    let mut reader = Reader {
+    let mut reader = ConfigReader {
         excluded: GitignoreBuilder::new(path.parent().unwrap_or(Path::new(""))),
         levels: Vec::new(),
         named: HashSet::new(),
@@ -86,7 +86,7 @@ fn config(text: &str, path: &Path) -> Result<Config, Fault> {
 }
 
 /// The values read so far.
-struct Reader {
+struct ConfigReader {
     excluded: GitignoreBuilder,
     /// The changes of levels, with their codes.
     levels: Vec<(SetLevel, Code)>,
@@ -94,8 +94,8 @@ struct Reader {
     config: Config,
 }
 
-impl Reader {
-    fn exclude(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+impl ConfigReader {
+    fn exclude(&mut self, value: &TomlValue<'_>) -> Result<(), ConfigFault> {
         let patterns = strings(value)?;
         let too_many = || (value.span(), "too many patterns".to_owned());
         if are_too_many(patterns.iter().map(|(pattern, _)| *pattern)) {
@@ -111,7 +111,12 @@ impl Reader {
         Ok(())
     }
 
-    fn level(&mut self, level: SetLevel, value: &Value<'_>, may_be_all: bool) -> Result<(), Fault> {
+    fn level(
+        &mut self,
+        level: SetLevel,
+        value: &TomlValue<'_>,
+        may_be_all: bool,
+    ) -> Result<(), ConfigFault> {
         for (name, range) in strings(value)? {
             if name == "warnings" && may_be_all {
                 self.config.levels.deny_warnings();
@@ -126,7 +131,7 @@ impl Reader {
         Ok(())
     }
 
-    fn max_diagnostics(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+    fn max_diagnostics(&mut self, value: &TomlValue<'_>) -> Result<(), ConfigFault> {
         let integer = value.get_ref().as_integer();
         let integer = integer.map(|number| usize::from_str_radix(number.as_str(), number.radix()));
         // A whole number may be written as a float, as in a scene.
@@ -141,7 +146,7 @@ impl Reader {
         Ok(())
     }
 
-    fn output_format(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+    fn output_format(&mut self, value: &TomlValue<'_>) -> Result<(), ConfigFault> {
         let name = string(value)?;
         let format = name.parse().map_err(|_| {
             let known = OutputFormat::ALL.iter().map(|format| format.name());
@@ -152,7 +157,7 @@ impl Reader {
         Ok(())
     }
 
-    fn allow_outside(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+    fn allow_outside(&mut self, value: &TomlValue<'_>) -> Result<(), ConfigFault> {
         let allow = value.get_ref().as_bool();
         self.config.allow_outside = allow.ok_or_else(|| wrong(value, "`true` or `false`"))?;
         Ok(())
@@ -174,7 +179,7 @@ fn warning(name: &str) -> Result<Code, String> {
     }
 }
 
-fn strings<'v>(value: &'v Value<'_>) -> Result<Vec<(&'v str, Range<usize>)>, Fault> {
+fn strings<'v>(value: &'v TomlValue<'_>) -> Result<Vec<(&'v str, Range<usize>)>, ConfigFault> {
     let array = value.get_ref().as_array();
     let array = array.ok_or_else(|| wrong(value, "an array of strings"))?;
     array
@@ -183,14 +188,14 @@ fn strings<'v>(value: &'v Value<'_>) -> Result<Vec<(&'v str, Range<usize>)>, Fau
         .collect()
 }
 
-fn string<'v>(value: &'v Value<'_>) -> Result<&'v str, Fault> {
+fn string<'v>(value: &'v TomlValue<'_>) -> Result<&'v str, ConfigFault> {
     value
         .get_ref()
         .as_str()
         .ok_or_else(|| wrong(value, "a string"))
 }
 
-fn wrong(value: &Value<'_>, expected: &str) -> Fault {
+fn wrong(value: &TomlValue<'_>, expected: &str) -> ConfigFault {
     let found = match value.get_ref() {
         DeValue::Integer(number) => quote(&number.to_string()),
         DeValue::Float(number) => quote(&number.to_string()),

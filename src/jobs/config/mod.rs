@@ -64,11 +64,11 @@ impl Config {
 /// The `strahl.toml` files, each read once. The nearest one in the folder of a scene or its parents
 /// applies, alone.
 #[derive(Clone, Debug, Default)]
-pub struct Configs(Option<Arc<Mutex<HashMap<PathBuf, Place>>>>);
+pub struct Configs(Option<Arc<Mutex<HashMap<PathBuf, FolderConfig>>>>);
 
 /// A folder and its configuration.
 #[derive(Clone, Debug, Default)]
-struct Place {
+struct FolderConfig {
     /// The path without links.
     folder: PathBuf,
     config: Arc<Config>,
@@ -133,21 +133,21 @@ impl Configs {
         Ok(place.config.excludes(&path, is_folder))
     }
 
-    fn in_folder(&self, folder: &Path) -> Result<Place, Error> {
+    fn in_folder(&self, folder: &Path) -> Result<FolderConfig, Error> {
         let Some(known) = &self.0 else {
-            return Ok(Place::default());
+            return Ok(FolderConfig::default());
         };
         let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(place) = known.get(folder) {
             return Ok(place.clone());
         }
-        let place = Place::find(folder, &mut known)?;
+        let place = FolderConfig::find(folder, &mut known)?;
         known.insert(folder.to_owned(), place.clone());
         Ok(place)
     }
 }
 
-impl Place {
+impl FolderConfig {
     /// Returns the nearest file in a folder or its parents.
     fn find(folder: &Path, known: &mut HashMap<PathBuf, Self>) -> Result<Self, Error> {
         let named = if folder == Path::new("") {

@@ -13,12 +13,12 @@ const NEAR: usize = 50;
 
 /// An offset as a line number, from 1, and the number of bytes before it in that line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Spot {
+pub(super) struct LineOffset {
     pub(super) line: usize,
     pub(super) at: usize,
 }
 
-impl Spot {
+impl LineOffset {
     fn new(text: &str, lines: &Lines<'_>, offset: usize) -> Self {
         let mut offset = offset.min(text.len());
         while !text.is_char_boundary(offset) {
@@ -37,8 +37,8 @@ impl Spot {
 /// A range to underline.
 #[derive(Clone, Debug)]
 pub(super) struct Mark<'a> {
-    pub(super) from: Spot,
-    pub(super) to: Spot,
+    pub(super) from: LineOffset,
+    pub(super) to: LineOffset,
     /// The text next to the mark; the first mark of a drawing has none.
     pub(super) label: Option<Cow<'a, str>>,
 }
@@ -50,9 +50,9 @@ impl<'a> Mark<'a> {
         range: &Range<usize>,
         label: Option<Cow<'a, str>>,
     ) -> Self {
-        let from = Spot::new(text, lines, range.start);
+        let from = LineOffset::new(text, lines, range.start);
         let mut to = if range.end > range.start {
-            Spot::new(text, lines, range.end)
+            LineOffset::new(text, lines, range.end)
         } else {
             from
         };
@@ -77,9 +77,9 @@ impl<'a> Mark<'a> {
     }
 }
 
-fn end_of(lines: &Lines<'_>, line: usize) -> Spot {
+fn end_of(lines: &Lines<'_>, line: usize) -> LineOffset {
     let at = lines.text(line).len();
-    Spot { line, at }
+    LineOffset { line, at }
 }
 
 /// Lines cut to the width, with their marks.
