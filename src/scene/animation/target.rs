@@ -101,7 +101,7 @@ impl Target {
                 Some(TransformModel {
                     matrix: Some(_), ..
                 }) => in_matrix(),
-                _ => not_given(owner, field),
+                _ => not_given(model, owner, field),
             });
         }
         let count = if kind == Kind::Interval { 2 } else { 3 };
@@ -345,7 +345,7 @@ fn inner<'s>(
         [field, rest @ ..] if field.name() == Some(FIELD) && !rest.is_empty() && has_it(camera) => {
             match projection.projection(model) {
                 Some(_) => Ok((projection, rest)),
-                None => Err(not_given(camera, FIELD)),
+                None => Err(not_given(model, camera, FIELD)),
             }
         }
         _ => Ok((camera, steps)),
@@ -370,7 +370,7 @@ fn of_geometry<'s>(
         }
         Some("color_by") => match Owner::ColorBy(at).color_by(model) {
             Some(_) => Ok((Owner::ColorBy(at), rest)),
-            None => Err(not_given(owner, "color_by")),
+            None => Err(not_given(model, owner, "color_by")),
         },
         Some("transform") => transform(model, (at, None), rest),
         Some(INSTANCES) => instance(model, at, rest),
@@ -391,7 +391,7 @@ fn instance<'s>(
         return Ok((Owner::Geometry(at), steps));
     };
     let Some(transforms) = &instances.transforms else {
-        return Err(not_given(Owner::Geometry(at), INSTANCES));
+        return Err(not_given(model, Owner::Geometry(at), INSTANCES));
     };
     let count = transforms.len();
     match steps {
@@ -417,13 +417,13 @@ fn transform<'s>(
 ) -> Result<(Owner, &'s [Part]), Diagnostic> {
     let owner = Owner::Transform(at, instance);
     let Some(transform) = owner.transform(model) else {
-        return Err(not_given(Owner::Geometry(at), "transform"));
+        return Err(not_given(model, Owner::Geometry(at), "transform"));
     };
     match steps {
         [field, rest @ ..] if field.name() == Some("rotate") && !rest.is_empty() => {
             match transform.rotate {
                 Some(_) => Ok((Owner::Rotation(at, instance), rest)),
-                None => Err(not_given(owner, "rotate")),
+                None => Err(not_given(model, owner, "rotate")),
             }
         }
         _ => Ok((owner, steps)),
@@ -447,7 +447,7 @@ fn entry<'m>(
 /// Rejects the material of a geometry that has none of its own.
 fn surface(model: &Model, at: Ordinal) -> Result<(), Diagnostic> {
     match Owner::Surface(at).material(model) {
-        None => Err(not_given(Owner::Geometry(at), "material")),
+        None => Err(not_given(model, Owner::Geometry(at), "material")),
         Some(material) => material.named().map_or(Ok(()), |name| {
             let message = "this material is a name: nothing in it can change".to_owned();
             Err(unknown_path(message).with_help(format!("change `materials[{name:?}]`")))
@@ -455,20 +455,13 @@ fn surface(model: &Model, at: Ordinal) -> Result<(), Diagnostic> {
     }
 }
 
-/// The fields of which one is given, and the other is not.
-const PAIRS: [[&str; 2]; 3] = [
-    ["gaze", "look_at"],
-    ["direction", "look_at"],
-    ["color", "material"],
-];
-
 /// Returns the diagnostic of a field that is not given and has no default.
-fn not_given(owner: Owner, field: &str) -> Diagnostic {
+fn not_given(model: &Model, owner: Owner, field: &str) -> Diagnostic {
     let fault = unknown_path(format!("`{field}` is not given: nothing in it can change"));
-    let (what, pair) = match owner {
-        Owner::Camera | Owner::NamedCamera(_) => ("the camera", Some(PAIRS[0])),
-        Owner::Light(_) => ("the light", Some(PAIRS[1])),
-        Owner::Geometry(_) => ("the geometry", Some(PAIRS[2])),
+    let what = match owner {
+        Owner::Camera | Owner::NamedCamera(_) => "the camera",
+        Owner::Light(_) => "the light",
+        Owner::Geometry(_) => "the geometry",
         Owner::Scene
         | Owner::Image
         | Owner::Outlines
@@ -477,11 +470,11 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         | Owner::Material(_)
         | Owner::Surface(_)
         | Owner::ColorBy(_)
-        | Owner::Rotation(..) => ("it", None),
-        Owner::Transform(..) => ("the transform", None),
+        | Owner::Rotation(..) => "it",
+        Owner::Transform(..) => "the transform",
     };
-    let other = pair.filter(|pair| pair.contains(&field));
-    let other = other.and_then(|pair| pair.into_iter().find(|other| *other != field));
+    let sets = owner.thing(model).map(Thing::sets).unwrap_or_default();
+    let other = sets.iter().find_map(|(set, _)| set.instead_of(field));
     fault.with_help(match other {
         Some(other) => format!("change `{other}`, or give {what} `{field}` instead of it"),
         None => format!("give {what} `{field}`"),

@@ -161,17 +161,6 @@ impl CameraModel {
         })
     }
 
-    /// Returns true for `gaze` and for `look_at` if given; `None` if the camera has neither field.
-    pub(crate) const fn aims(&self) -> Option<(bool, bool)> {
-        match self {
-            Self::Perspective(PerspectiveModel { gaze, look_at, .. })
-            | Self::Orthographic(OrthographicModel { gaze, look_at, .. }) => {
-                Some((gaze.is_some(), look_at.is_some()))
-            }
-            Self::Fit(_) => None,
-        }
-    }
-
     /// Returns the projection of a camera that frames what it sees, if the scene gives it.
     pub(crate) const fn projection(&self) -> Option<&ProjectionModel> {
         match self {

@@ -107,6 +107,12 @@ macro_rules! object {
             use $crate::scene::format::{field, object, thing};
 
             impl $model {
+                /// Fields that are given in place of each other.
+                const SETS: &'static [thing::Set] = &[$(thing::Set {
+                    fields: [stringify!($one), stringify!($another)],
+                    needs: thing::Needs::$needs,
+                }),*];
+
                 /// All fields.
                 pub(crate) const FIELDS: &'static [field::Field] = &[$(
                     field::Field {
@@ -128,16 +134,18 @@ macro_rules! object {
                         name: $name,
                         docs: object::docs!($([$($meta)*])*),
                         fields: $model::FIELDS,
-                        sets: &[$(thing::Set {
-                            fields: [stringify!($one), stringify!($another)],
-                            needs: thing::Needs::$needs,
-                        }),*],
+                        sets: $model::SETS,
                     };
                     thing::Type::Object(&OBJECT, false)
                 }
 
                 fn fields(&self) -> &'static [field::Field] {
                     Self::FIELDS
+                }
+
+                fn sets(&self) -> Vec<(&'static thing::Set, [bool; 2])> {
+                    let given = [$([self.$one.is_some(), self.$another.is_some()]),*];
+                    Self::SETS.iter().zip(given).collect()
                 }
 
                 #[inline]

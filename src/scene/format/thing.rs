@@ -167,6 +167,18 @@ pub(crate) struct Set {
     pub(crate) needs: Needs,
 }
 
+impl Set {
+    /// Returns the field that stands in place of another one.
+    pub(crate) fn instead_of(&self, field: &str) -> Option<&'static str> {
+        match self.fields {
+            _ if self.needs == Needs::Any => None,
+            [one, other] if field == one => Some(other),
+            [one, other] if field == other => Some(one),
+            _ => None,
+        }
+    }
+}
+
 /// The number of fields of a set that are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Needs {
@@ -244,6 +256,11 @@ pub(crate) trait Thing {
     /// Returns the fields; a list and a map have none.
     fn fields(&self) -> &'static [Field] {
         &[]
+    }
+
+    /// Returns the fields that are given in place of each other; true for those that are given.
+    fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
+        Vec::new()
     }
 
     /// Calls `see` for every field that is given and has a value.
@@ -351,6 +368,10 @@ macro_rules! forward {
             #[inline]
             fn each<'m>(&'m self, see: impl FnMut(&'static Field, Value<'m>)) {
                 (**self).each(see);
+            }
+
+            fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
+                (**self).sets()
             }
 
             fn has(&self, field: &str) -> bool {

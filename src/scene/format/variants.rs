@@ -65,6 +65,12 @@ macro_rules! variants {
                     }
                 }
 
+                fn sets(&self) -> Vec<(&'static thing::Set, [bool; 2])> {
+                    match self {
+                        $(Self::$variant(thing) => thing.sets()),*
+                    }
+                }
+
                 fn has(&self, field: &str) -> bool {
                     match self {
                         $(Self::$variant(thing) => thing.has(field)),*

@@ -109,8 +109,11 @@ impl Found {
             }
             (_, None) => {}
         }
-        let aims = camera.aims();
-        let one = aims.is_none_or(|(gaze, look_at)| self.gaze_or_look_at(gaze, look_at, &path));
+        let helps = [
+            "`gaze` is a direction, `look_at` a point; leave one of them out",
+            "add `gaze`, a direction such as (0, 0, -1), or `look_at`, a point",
+        ];
+        let one = self.one_of(camera, Code::GazeOrLookAt, &path, helps);
         let sight = camera.sight();
         // A point that is not finite has already been reported.
         if let Some(target) = sight.target()
@@ -132,30 +135,6 @@ impl Found {
             let problem = Problem::of_value(Code::FovInRadians, path.field("fov"), message);
             self.push(problem.help(format!("`fov` is in degrees: write `{degrees}`")));
         }
-    }
-
-    /// Requires exactly one of the two; returns true if so.
-    fn gaze_or_look_at(&mut self, gaze: bool, look_at: bool, path: &Path) -> bool {
-        let problem = match (gaze, look_at) {
-            (true, false) | (false, true) => return true,
-            (true, true) => Problem::new(
-                Code::GazeOrLookAt,
-                path.field("look_at"),
-                Focus::Key,
-                "`gaze` and `look_at` are both given, expected one of them",
-            )
-            .help("`gaze` is a direction, `look_at` a point; leave one of them out")
-            .label(path.field("gaze"), Focus::Key, "the other one"),
-            (false, false) => Problem::new(
-                Code::GazeOrLookAt,
-                path.clone(),
-                Focus::Name,
-                "neither `gaze` nor `look_at` is given, expected one of them",
-            )
-            .help("add `gaze`, a direction such as (0, 0, -1), or `look_at`, a point"),
-        };
-        self.push(problem);
-        false
     }
 
     fn parallel_vectors(&mut self, sight: &Sight, path: &Path) {

@@ -73,7 +73,7 @@ impl Found {
             mesh.triangles.is_some(),
         );
         let twice = |field| {
-            let problem = both(&path(), ["file", field]);
+            let problem = both(Code::OneOf, &path(), ["file", field]);
             problem.help("a mesh is in a file, or in the scene: leave one of them out")
         };
         let missing = |field| {

@@ -60,7 +60,7 @@ impl Found {
         let path = model.path_of(at);
         let transforms = match (&instances.transforms, &instances.file) {
             (Some(_), Some(_)) => {
-                let problem = both(&path, ["transforms", "file"]);
+                let problem = both(Code::OneOf, &path, ["transforms", "file"]);
                 return self.push(problem.help("leave one of them out"));
             }
             (None, None) => {

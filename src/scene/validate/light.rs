@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Found, camera::Eye, material::both};
+use super::{Found, camera::Eye};
 use crate::{
     diagnostic::{Code, path::Path},
     parallel::Cancel,
@@ -49,35 +49,25 @@ impl Found {
         let path = || path_of(index);
         light.each(|field, value| self.field(field, value, path));
         if let LightModel::Spot(spot) = light {
-            self.direction_or_look_at(spot, &path());
+            self.look_at(spot, &path());
         }
+        let helps = [
+            "`direction` is a direction, `look_at` a point; leave one of them out",
+            "add `direction`, such as (0, -1, 0), or `look_at`, a point",
+        ];
+        self.one_of(light, Code::OneOf, &path(), helps);
     }
 
-    /// Requires exactly one of the two of a spot.
-    fn direction_or_look_at(&mut self, spot: &SpotLightModel, path: &Path) {
-        match (spot.direction.is_some(), spot.look_at) {
-            (true, None) => {}
-            (false, Some(look_at)) => {
-                let points = [look_at, spot.position];
-                if points
-                    .as_flattened()
-                    .iter()
-                    .all(|number| number.is_finite())
-                {
-                    let what = "`look_at` - `position`";
-                    self.direction(spot.axis(), what, || path.field("look_at"));
-                }
-            }
-            (true, Some(_)) => self.push(
-                both(path, ["direction", "look_at"])
-                    .help("`direction` is a direction, `look_at` a point; leave one of them out"),
-            ),
-            (false, None) => {
-                let message = "neither `direction` nor `look_at` is given, expected one of them";
-                let problem = Problem::new(Code::OneOf, path.clone(), Focus::Name, message);
-                let help = "add `direction`, such as (0, -1, 0), or `look_at`, a point";
-                self.push(problem.help(help));
-            }
+    /// Requires that the point that a spot is directed at has another position, if it is alone.
+    fn look_at(&mut self, spot: &SpotLightModel, path: &Path) {
+        let points = [spot.look_at.unwrap_or_default(), spot.position];
+        let are_finite = points
+            .as_flattened()
+            .iter()
+            .all(|number| number.is_finite());
+        if spot.direction.is_none() && spot.look_at.is_some() && are_finite {
+            let what = "`look_at` - `position`";
+            self.direction(spot.axis(), what, || path.field("look_at"));
         }
     }
 

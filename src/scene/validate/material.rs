@@ -12,7 +12,7 @@ use crate::{
             image::ImageModel,
             material::{MaterialModel, Surface},
             scene::Model,
-            thing::Thing,
+            thing::{Needs, Set, Thing},
         },
         problem::{Cure, Focus, Problem},
     },
@@ -97,15 +97,11 @@ impl Found {
         if (!is_given && (needs_none || is_part)) || self.tally.only_counts(Code::OneOf) {
             return;
         }
-        let path = model.path_of(at);
-        self.push(if is_given {
-            both(&path, ["color", "material"])
-                .help("`color: c` is `material: Matte(color: c)`; leave one of them out")
-        } else {
-            let message = "neither `color` nor `material` is given, expected one of them";
-            Problem::new(Code::OneOf, path, Focus::Name, message)
-                .help("add `color`, such as \"#ff8000\", or `material`")
-        });
+        let helps = [
+            "`color: c` is `material: Matte(color: c)`; leave one of them out",
+            "add `color`, such as \"#ff8000\", or `material`",
+        ];
+        self.one_of(geometry, Code::OneOf, &model.path_of(at), helps);
     }
 
     /// Checks the fields of a material.
@@ -207,11 +203,40 @@ impl Found {
 
 const WITHOUT_LIGHTS: &str = "the scene has no `lights`";
 
+impl Found {
+    /// Requires one of the fields that are given in place of each other, and not both; returns true if
+    /// so. The helps are for both and for none.
+    pub(super) fn one_of(
+        &mut self,
+        thing: &impl Thing,
+        code: Code,
+        path: &Path,
+        [leave_out, add]: [&str; 2],
+    ) -> bool {
+        let sets = thing.sets().into_iter();
+        let mut sets = sets.filter(|(set, _)| set.needs != Needs::Any);
+        let wrong = sets.find(|(_, [first, other])| first == other);
+        let Some((Set { fields, .. }, [are_given, _])) = wrong else {
+            return true;
+        };
+        self.push(match are_given {
+            true => both(code, path, *fields).help(leave_out),
+            false => {
+                let [first, other] = fields;
+                let message =
+                    format!("neither `{first}` nor `{other}` is given, expected one of them");
+                Problem::new(code, path.clone(), Focus::Name, message).help(add)
+            }
+        });
+        false
+    }
+}
+
 /// Creates the problem of two fields that are both given; the later one of them in the text is
 /// reported.
-pub(super) fn both(path: &Path, [first, other]: [&'static str; 2]) -> Problem {
+pub(super) fn both(code: Code, path: &Path, [first, other]: [&'static str; 2]) -> Problem {
     let message = format!("`{first}` and `{other}` are both given, expected one of them");
-    Problem::new(Code::OneOf, path.field(other), Focus::Key, message).label(
+    Problem::new(code, path.field(other), Focus::Key, message).label(
         path.field(first),
         Focus::Key,
         "the other one",

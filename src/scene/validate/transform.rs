@@ -61,7 +61,7 @@ impl Found {
                 ("scale", scale.is_some()),
             ];
             if let Some((other, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
-                let problem = both(path, [other, "matrix"]);
+                let problem = both(Code::OneOf, path, [other, "matrix"]);
                 self.push(problem.help(
                     "a matrix holds the scale, the rotation and the shift; leave the others out",
                 ));

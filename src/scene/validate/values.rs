@@ -27,7 +27,7 @@ impl Found {
     fn values(&mut self, geometry: &GeometryModel, by: &ColorByModel, geometry_path: Path) {
         let path = || geometry_path.clone().field("color_by");
         if geometry.surface().color.is_some() {
-            let problem = both(&geometry_path, ["color", "color_by"]);
+            let problem = both(Code::OneOf, &geometry_path, ["color", "color_by"]);
             self.push(problem.help("values have colors of their own; leave one of them out"));
         }
         by.each(|field, value| self.field(field, value, path));

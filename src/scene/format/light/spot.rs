@@ -40,28 +40,21 @@ object! {
 impl SpotLightModel {
     /// The light.
     pub(crate) fn build(&self) -> Result<Light, GeometryError> {
-        let color = self.color().build();
-        let (intensity, shadows) = (self.intensity(), self.shadows());
         let cone = Cone {
             direction: self.axis(),
             angle: self.angle,
             blend: self.blend(),
         };
-        let falloff = self.falloff().into();
+        let (color, intensity) = (self.color().build(), self.intensity());
+        let (falloff, shadows) = (self.falloff().into(), self.shadows());
         let position = self.position.into();
         Spot::new(position, cone, color, intensity, falloff, shadows).map(Light::from)
     }
-}
 
-impl SpotLightModel {
     /// The direction of the middle of the cone; 0 where neither `direction` nor `look_at` is given.
     pub(crate) fn axis(&self) -> DVec3 {
-        let seen = self
-            .look_at
-            .map(|point| DVec3::from(point) - DVec3::from(self.position));
-        self.direction
-            .map(DVec3::from)
-            .or(seen)
-            .unwrap_or(DVec3::ZERO)
+        let seen = |point| DVec3::from(point) - DVec3::from(self.position);
+        let direction = self.direction.map(DVec3::from);
+        direction.or(self.look_at.map(seen)).unwrap_or_default()
     }
 }
