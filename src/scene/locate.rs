@@ -14,6 +14,7 @@ use crate::{
                 nesting::{FIELD_NAMES, Ordinal},
             },
             scene::Model,
+            thing::{Thing, Type},
         },
         problem::{Cure, Focus, Problem},
         recover::{Repairs, fix::removal, name_of},
@@ -293,72 +294,69 @@ pub(crate) fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
     }
 }
 
+/// A node of a text, and its type if the format has one for it.
+type Typed = (NodeId, Option<Type>);
+
+/// Returns the content of a variant, and any other value itself: what tells a variant from a map.
+pub(crate) fn content(text: &str, tree: &Tree, (id, of_type): Typed) -> Typed {
+    let Some(one_of @ Type::OneOf(_)) = of_type else {
+        return (id, of_type);
+    };
+    let node = tree.node(id);
+    let mut fields = tree.fields(id);
+    match (node.name(), fields.next(), fields.next()) {
+        (Some(name), ..) => {
+            let inside = tree.children(id).next();
+            let inside = inside.filter(|_| node.kind() == Kind::Tuple);
+            let name = text.get(name).unwrap_or_default();
+            (inside.unwrap_or(id), one_of.value(name))
+        }
+        (None, Some((key, value)), None) if tree.syntax() == Syntax::Json => {
+            (value, one_of.value(&name_of(text, tree, key)))
+        }
+        _ => (id, of_type),
+    }
+}
+
 /// Returns the path of the innermost value at an offset.
 pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
     let mut path = Path::ROOT;
-    let Some(mut node) = tree.root() else {
+    let Some(root) = tree.root() else {
         return path;
     };
+    let mut typed = (root, Some(Model::of_type()));
     let holds = |from: NodeId, to: NodeId| {
         let range = tree.node(from).range().start..=tree.node(to).range().end;
         range.contains(&offset)
     };
     loop {
-        let found = match tree.node(node).kind() {
+        let (around, of_type) = content(text, tree, typed);
+        let (step, value) = match tree.node(around).kind() {
             Kind::Struct | Kind::Map => {
-                let mut fields = tree.fields(node);
-                fields
-                    .find(|(key, value)| holds(*key, *value))
-                    .map(|(key, value)| {
-                        let name = name_of(text, tree, key);
-                        if is_variant(tree, node, &name, &path) {
-                            return (value, None);
-                        }
-                        let is_map = tree.syntax() == Syntax::Ron
-                            && tree.node(node).kind() == Kind::Map
-                            || has_names(&path);
-                        let step = match is_map {
-                            true => Step::Key(name.into()),
-                            false => Step::Field(name.into_owned().into()),
-                        };
-                        (value, Some(step))
-                    })
-            }
-            // What is in the brackets of a variant is the variant itself.
-            Kind::Tuple if tree.node(node).name().is_some() => {
-                let mut items = tree.children(node);
-                items
-                    .find(|item| holds(*item, *item))
-                    .map(|item| (item, None))
+                let mut fields = tree.fields(around);
+                let Some((key, value)) = fields.find(|(key, value)| holds(*key, *value)) else {
+                    return path;
+                };
+                let name = name_of(text, tree, key);
+                let of_value = of_type.and_then(|of_type| of_type.value(&name));
+                let step = match of_type {
+                    Some(Type::Map(..) | Type::Tracks) => Step::Key(name.into()),
+                    _ => Step::Field(name.into_owned().into()),
+                };
+                (step, (value, of_value))
             }
             Kind::List | Kind::Tuple => {
-                let mut items = tree.children(node).enumerate();
-                let item = items.find(|(_, item)| holds(*item, *item));
-                item.map(|(index, item)| (item, Some(Step::Index(index))))
+                let mut items = tree.children(around).enumerate();
+                let Some((index, item)) = items.find(|(_, item)| holds(*item, *item)) else {
+                    return path;
+                };
+                (Step::Index(index), (item, of_type.and_then(Type::element)))
             }
-            _ => None,
+            _ => return path,
         };
-        let Some((value, step)) = found else {
-            return path;
-        };
-        path = step.map_or_else(|| path.clone(), |step| path.then(step));
-        node = value;
+        path = path.then(step);
+        typed = value;
     }
-}
-
-/// Returns true if the keys of an object are names from the scene, not fields.
-fn has_names(path: &Path) -> bool {
-    let last = path.steps().last();
-    matches!(last, Some(Step::Field(name)) if matches!(&**name, "cameras" | "materials" | "tracks"))
-}
-
-/// Returns true if a JSON object is a variant: its only key is the name, which starts with a
-/// capital, unlike any field.
-fn is_variant(tree: &Tree, node: NodeId, name: &str, path: &Path) -> bool {
-    tree.syntax() == Syntax::Json
-        && tree.fields(node).count() == 1
-        && name.starts_with(|first: char| first.is_ascii_uppercase())
-        && !has_names(path)
 }
 
 /// Returns the range of the value at the end of the steps from the root.

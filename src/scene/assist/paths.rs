@@ -6,7 +6,7 @@ use super::{Completion, CompletionKind, names::written, sample::key, spot::Finde
 use crate::{
     scene::{
         format::{field::Field, scene::Model, thing::Type},
-        locate::body,
+        locate::{body, content},
     },
     text::syntax::NodeId,
 };
@@ -80,29 +80,11 @@ impl Paths<'_, '_> {
 
     /// Adds what can change in a thing.
     fn add(&mut self, path: &str, of_type: Type, thing: NodeId) {
-        let tree = self.finder.tree;
+        let (text, tree) = (self.finder.text, self.finder.tree);
+        let (thing, of_type) = content(text, tree, (thing, Some(of_type)));
+        let Some(of_type) = of_type else { return };
         match of_type {
             Type::Object(object, _) => self.add_fields(path, object.fields, thing),
-            Type::OneOf(one_of) => {
-                let inside = body(tree, thing);
-                let name = match inside {
-                    Some(_) => tree
-                        .fields(thing)
-                        .next()
-                        .map(|(key, _)| self.finder.name(key)),
-                    None => tree
-                        .node(thing)
-                        .name()
-                        .map(|name| self.finder.at(name).into()),
-                };
-                let variant = one_of
-                    .variants
-                    .iter()
-                    .find(|known| name.as_deref() == Some(known.name));
-                if let Some(variant) = variant {
-                    self.add_fields(path, variant.fields(), inside.unwrap_or(thing));
-                }
-            }
             Type::Map(of_type, _) => {
                 for (key, value) in tree.fields(thing).take(MOST) {
                     self.add(&step(path, &self.finder.name(key)), of_type(), value);

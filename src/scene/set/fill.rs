@@ -17,7 +17,7 @@ use crate::{
         convert,
         format::{
             scene::Model,
-            thing::{Follow, OneOf, Record, Type, Variant},
+            thing::{Follow, Record, Type, Variant},
         },
         path::Part,
         problem::syntax_fault,
@@ -162,22 +162,18 @@ impl<'a> Fill<'a> {
                 // A missing list has no elements to set.
                 return Err(vec![self.not_given(self.path.len().saturating_sub(1))]);
             };
-            let (variant, fields) = match of_type {
-                Some(Type::Object(object, _)) => (None, object.fields),
-                Some(Type::OneOf(OneOf { variants, .. })) => {
-                    let known = variant.take();
-                    let known = known.and_then(|name| variants.iter().find(|it| it.name == name));
-                    let variant = known.or_else(|| meant(variants, name));
-                    variant.map_or((None, &[][..]), |it| (Some(it.name), it.fields()))
-                }
-                _ => (None, &[][..]),
+            let found = match (variant.take(), of_type) {
+                (Some(name), Some(one_of)) => one_of.variant(name),
+                (None, Some(Type::OneOf(one_of))) => meant(one_of.variants, name),
+                _ => None,
             };
+            let content = found.and_then(|it| it.content).map(|of_type| of_type());
             let is_object = matches!(of_type, Some(Type::Object(..) | Type::OneOf(_)));
             let [open, close] = match self.syntax {
                 Syntax::Ron if is_object => ['(', ')'],
                 Syntax::Ron | Syntax::Json => ['{', '}'],
             };
-            let (around, end) = match (variant, self.syntax) {
+            let (around, end) = match (found.map(|it| it.name), self.syntax) {
                 (Some(name), Syntax::Ron) => (name.to_owned(), ""),
                 (Some(name), Syntax::Json) => (format!("{{\"{name}\": "), "}"),
                 (None, _) => (String::new(), ""),
@@ -185,8 +181,7 @@ impl<'a> Fill<'a> {
             let key = key(part, is_object, self.syntax).map_err(|fault| vec![fault])?;
             before += &format!("{around}{open}{key}: ");
             after = format!("{after}{close}{end}");
-            let field = fields.iter().find(|field| field.name == name);
-            of_type = field.map(|field| (field.of_type)());
+            of_type = content.or(of_type).and_then(|of_type| of_type.value(name));
         }
         self.read([&before, &self.value.text, &after])
     }
@@ -304,11 +299,11 @@ impl<'a> Fill<'a> {
 
 /// Returns the variant that is meant by a field of what is not given: the only one that has it, or the
 /// first if none does.
-fn meant(variants: &'static [Variant], field: &str) -> Option<&'static Variant> {
+fn meant(variants: &[Variant], field: &str) -> Option<Variant> {
     let has_it = |variant: &&Variant| variant.fields().iter().any(|it| it.name == field);
     let mut having = variants.iter().filter(has_it);
     match [having.next(), having.next()] {
-        [found, None] => found.or(variants.first()),
+        [found, None] => found.or(variants.first()).copied(),
         _ => None,
     }
 }
