@@ -381,7 +381,8 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
 const PREFIX: &str = ".strahl-";
 const SUFFIX: &str = ".tmp";
 
-fn folder_of(place: &Path) -> &Path {
+/// Returns the folder of a file.
+pub(crate) fn folder_of(place: &Path) -> &Path {
     match place.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),

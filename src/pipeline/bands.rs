@@ -9,7 +9,10 @@ use std::{
 use crate::{
     diagnostic::error::{Error, ErrorKind},
     film::crop::Crop,
-    image_file::{ImageFormat, part, target::Target},
+    image_file::{
+        ImageFormat, part,
+        target::{Target, folder_of},
+    },
     jobs::shard::{BAND, Shard},
     parallel::timings::Stage,
     pipeline::{Scene, options::RenderOptions},
@@ -145,10 +148,7 @@ fn title(hash: &str, shard: Shard) -> String {
 /// Returns the band files of a picture, from top to bottom.
 fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     let incomplete = |message: String| Error::new(ErrorKind::Incomplete, message).at(path);
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, error))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut counts: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();

@@ -43,11 +43,7 @@ pub(super) fn read(input: &mut impl BufRead) -> io::Result<Option<Incoming>> {
     }
     let Some(length) = length.filter(|length| *length <= LONGEST) else {
         let message = "expected a header with a `Content-Length` of at most 1 GiB";
-        return Ok(Some(malformed(
-            &Value::Null,
-            ErrorCode::ParseError,
-            message,
-        )));
+        return Ok(Some(malformed(None, ErrorCode::ParseError, message)));
     };
     let mut body = Vec::new();
     // What the header claims is not reserved: it may be wrong.
@@ -61,32 +57,26 @@ fn parse(body: &[u8]) -> Incoming {
     let value: Value = match serde_json::from_slice(body) {
         Ok(value) => value,
         Err(error) => {
-            return malformed(&Value::Null, ErrorCode::ParseError, &error.to_string());
+            return malformed(None, ErrorCode::ParseError, &error.to_string());
         }
     };
     let id = value.get("id").cloned();
     match serde_json::from_value(value) {
         // Its id is neither a number nor a string.
-        Ok(Message::Notification(_)) if id.is_some() => malformed(
-            &Value::Null,
-            ErrorCode::InvalidRequest,
-            "the id is not valid",
-        ),
-        Ok(message) => Incoming::Message(message),
-        Err(_) => {
-            let id = id.unwrap_or_default();
-            malformed(
-                &id,
-                ErrorCode::InvalidRequest,
-                "not a message of the protocol",
-            )
+        Ok(Message::Notification(_)) if id.is_some() => {
+            malformed(None, ErrorCode::InvalidRequest, "the id is not valid")
         }
+        Ok(message) => Incoming::Message(message),
+        Err(_) => malformed(
+            id,
+            ErrorCode::InvalidRequest,
+            "not a message of the protocol",
+        ),
     }
 }
 
-fn malformed(id: &Value, code: ErrorCode, message: &str) -> Incoming {
-    let known = serde_json::from_value::<RequestId>(id.clone());
-    let id = if known.is_ok() { id } else { &Value::Null };
+fn malformed(id: Option<Value>, code: ErrorCode, message: &str) -> Incoming {
+    let id = id.filter(|id| serde_json::from_value::<RequestId>(id.clone()).is_ok());
     Incoming::Malformed(json!({
         "jsonrpc": "2.0",
         "id": id,

@@ -9,7 +9,8 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::json;
 use strahl::{
     RenderOptions, Scene,
     film::{Crop, Samples},
@@ -178,35 +179,10 @@ pub(super) async fn outline(
     })
 }
 
-#[derive(Serialize)]
-pub(super) struct Pixel {
-    x: u32,
-    y: u32,
-    byte: [u8; 3],
-    geometry: Option<SeenGeometry>,
-}
-
-#[derive(Serialize)]
-struct SeenGeometry {
-    path: String,
-    row: Option<usize>,
-    name: Option<String>,
-    kind: &'static str,
-    depth: f64,
-    position: [f64; 3],
-    normal: [f64; 3],
-    columns: Vec<(String, String)>,
-    more_columns: usize,
-    /// True for the columns of the file.
-    is_from_file: bool,
-    #[serde(flatten)]
-    span: Option<PageSpan>,
-}
-
 pub(super) async fn pixel(
     State(App { desk, .. }): State<App>,
     Query(asked): Query<Asked>,
-) -> Result<Json<Pixel>, Refusal> {
+) -> Answer {
     apart_until_dropped(move |cancel| {
         let (x, y) = (asked.x, asked.y);
         let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
@@ -224,28 +200,32 @@ pub(super) async fn pixel(
             }
         };
         let geometry = scene.seen_at(x, y).map(|seen| (cells_of(&seen), seen));
-        let geometry = geometry.map(|(cells, seen)| SeenGeometry {
-            path: seen.origin.path().to_string(),
-            row: seen.origin.row,
-            name: scene.name(seen.id).map(str::to_owned),
-            kind: seen.hit.geometry.shape().kind(),
-            depth: seen.hit.t,
-            position: seen.hit.point.into(),
-            normal: seen.hit.normal.into(),
-            columns: cells.shown,
-            more_columns: cells.more,
-            is_from_file: cells.is_from_file,
-            span: checked.and_then(|checked| {
-                let range = scene.text_range(seen.id)?;
-                Some(PageSpan::new(&checked.document().lines(), &range))
-            }),
+        let geometry = geometry.map(|(cells, seen)| {
+            let mut geometry = json!({
+                "path": seen.origin.path().to_string(),
+                "row": seen.origin.row,
+                "name": scene.name(seen.id),
+                "kind": seen.hit.geometry.shape().kind(),
+                "depth": seen.hit.t,
+                "position": seen.hit.point.to_array(),
+                "normal": seen.hit.normal.to_array(),
+                "columns": cells.shown,
+                "more_columns": cells.more,
+                "is_from_file": cells.is_from_file,
+            });
+            if let Some(checked) = checked
+                && let Some(range) = scene.text_range(seen.id)
+            {
+                let span = PageSpan::new(&checked.document().lines(), &range);
+                geometry["from"] = json!(span.from);
+                geometry["to"] = json!(span.to);
+            }
+            geometry
         });
-        Ok(Json(Pixel {
-            x,
-            y,
-            byte: image.pixel(0, 0).unwrap_or_default(),
-            geometry,
-        }))
+        let byte = image.pixel(0, 0).unwrap_or_default();
+        Ok(Json(
+            json!({"x": x, "y": y, "byte": byte, "geometry": geometry}),
+        ))
     })
     .await
 }
