@@ -126,8 +126,8 @@ pub(crate) fn geometries(
             ..Origin::default()
         };
         let placement = Placement::default();
-        let content = builder.content(model, &mut Ordinal::from(index), &origin, &placement)?;
-        content.add_to(&mut origins, index, 0);
+        let (indices, content) = builder.content(model, &mut index.into(), &origin, &placement)?;
+        origins.add(index, indices, content);
     }
     builder.all.extend(geometries);
     Ok(BuiltList {
@@ -268,27 +268,17 @@ struct Builder<'a> {
     cancel: Option<&'a Cancel>,
 }
 
-/// What a geometry that stands for several holds, and the indices of that in the world.
-struct BuiltContent(Range<usize>, SpanContent);
-
-impl BuiltContent {
-    /// Adds it to the origins of a list whose first geometry has an index in the world.
-    fn add_to(self, origins: &mut Origins, index: usize, first: usize) {
-        let Self(indices, content) = self;
-        origins.add(index, indices.start - first..indices.end - first, content);
-    }
-}
-
 impl Builder<'_> {
     /// Builds the geometries that one of the scene stands for: a table, a part, a group or instances.
-    /// `at` is its number, and afterwards that of the last one inside of it.
+    /// Returns their indices in the world and what they are. `at` is its number, and afterwards that of
+    /// the last one inside of it.
     fn content(
         &mut self,
         model: GeometryModel,
         at: &mut Ordinal,
         origin: &Origin,
         placement: &Placement,
-    ) -> Result<BuiltContent, GeometryError> {
+    ) -> Result<(Range<usize>, SpanContent), GeometryError> {
         let first = self.ids;
         let found = self.tables.take(*at);
         if let Some(content) = &found {
@@ -315,7 +305,7 @@ impl Builder<'_> {
             // A table or a part that was not read, or copies of nothing.
             (None, _) => SpanContent::Group(Origins::default()),
         };
-        Ok(BuiltContent(first..self.ids, content))
+        Ok((first..self.ids, content))
     }
 
     fn group(
@@ -343,8 +333,8 @@ impl Builder<'_> {
                 None => {
                     let mut origin = origin.clone();
                     origin.in_groups.push(index);
-                    let content = self.content(model, at, &origin, placement)?;
-                    content.add_to(&mut origins, index, first);
+                    let (indices, content) = self.content(model, at, &origin, placement)?;
+                    origins.add(index, indices.start - first..indices.end - first, content);
                 }
             }
         }

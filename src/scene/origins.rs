@@ -254,12 +254,7 @@ impl Origins {
 
     /// The names of the groups that hold a geometry by its index in the world, the outermost first.
     pub(crate) fn groups(&self, index: usize) -> Vec<&str> {
-        let mut way: Vec<_> = self.way(index).collect();
-        way.pop();
-        let names = way.iter();
-        names
-            .filter_map(|found| found.list.names.of(found.geometry))
-            .collect()
+        self.names_at(&self.of(index)).1
     }
 
     /// Returns the part that holds a geometry of the world, and the index of the geometry in it.

@@ -97,14 +97,20 @@ pub struct PartPlace<'a> {
 }
 
 impl Places {
+    /// Returns the place of a geometry, by its origin in the part.
+    pub(crate) fn at(&self, origin: Origin) -> PartPlace<'_> {
+        let (name, groups) = self.origins.names_at(&origin);
+        PartPlace {
+            file: &self.file,
+            origin,
+            name,
+            groups,
+        }
+    }
+
     /// Adds the place of a geometry, by its index in the part, and its places in inner parts.
     pub(crate) fn add_to<'a>(&'a self, places: &mut Vec<PartPlace<'a>>, index: usize) {
-        places.push(PartPlace {
-            file: &self.file,
-            origin: self.origins.of(index),
-            name: self.origins.name(index),
-            groups: self.origins.groups(index),
-        });
+        places.push(self.at(self.origins.of(index)));
         if let Some((inner, index)) = self.origins.part_of(index) {
             inner.add_to(places, index);
         }

@@ -116,7 +116,7 @@ impl Scales {
     ) -> Vec<ColorValues<'a>> {
         let tables = self.0.iter().map(|placed| {
             let part = placed.part.as_ref();
-            let part = part.map(|(part, origin)| part_place(part, origin.clone()));
+            let part = part.map(|(part, origin)| part.at(origin.clone()));
             let colors = &placed.scale.colors;
             let values = of(placed.origin.clone(), part, colors, &placed.scale.about);
             (placed.first, values)
@@ -134,7 +134,7 @@ impl Scales {
                 return None;
             };
             let part = origins.innermost_part_of(index);
-            let part = part.map(|(part, index)| part_place(part, part.origins.of(index)));
+            let part = part.map(|(part, index)| part.at(part.origins.of(index)));
             let about = Values::of(values);
             Some((index, of(origins.of(index), part, colors, &about)))
         });
@@ -170,15 +170,5 @@ fn of<'a>(
         scale,
         data: about.range(),
         missing: about.missing,
-    }
-}
-
-fn part_place(part: &Places, origin: Origin) -> PartPlace<'_> {
-    let (name, groups) = part.origins.names_at(&origin);
-    PartPlace {
-        file: &part.file,
-        origin,
-        name,
-        groups,
     }
 }
