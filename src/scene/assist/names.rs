@@ -6,7 +6,12 @@ use super::{Hover, spot::Finder};
 use crate::{
     diagnostic::{Code, Diagnostic, error::Error, named::named, path::Step},
     scene::{
-        format::{cameras::fault_of_name, geometry::nesting::FIELD_NAMES, scene::Model},
+        format::{
+            cameras::fault_of_name,
+            geometry::nesting::FIELD_NAMES,
+            scene::Model,
+            thing::{Thing, Type},
+        },
         locate::body,
         path::{self, Part},
     },
@@ -40,11 +45,8 @@ named! {
 impl NameKind {
     /// Returns the kind of the things in a field of the scene.
     fn of_field(name: &str) -> Option<Self> {
-        match name {
-            "materials" => Some(Self::Material),
-            "cameras" => Some(Self::Camera),
-            "lights" => Some(Self::Light),
-            Model::LONG => Some(Self::Geometry),
+        match Model::of_type().value(name)? {
+            of_type @ (Type::List(..) | Type::Map(..)) => Self::of_name(&of_type.noun()),
             _ => None,
         }
     }

@@ -6,7 +6,11 @@ use super::spot::Finder;
 use crate::{
     diagnostic::named::named,
     scene::{
-        format::{geometry::nesting::FIELD_NAMES, scene::Model},
+        format::{
+            geometry::nesting::FIELD_NAMES,
+            scene::Model,
+            thing::{Thing, Type},
+        },
         locate::{body, items},
     },
     text::syntax::{NodeId, Syntax, name},
@@ -60,18 +64,14 @@ pub(super) fn symbols(finder: &Finder) -> Vec<Symbol> {
     let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
     let symbols = fields.map(|(key, value)| {
         let name = finder.name(key);
-        let children = match &*name {
-            "cameras" => entries(finder, value, SymbolKind::Camera),
-            "materials" => entries(finder, value, SymbolKind::Material),
-            "lights" => elements(finder, value, SymbolKind::Light),
-            Model::LONG => elements(finder, value, SymbolKind::Geometry),
-            "animation" => animation(finder, value),
-            _ => Vec::new(),
-        };
-        let kind = match &*name {
-            "camera" => SymbolKind::Camera,
-            "cameras" | "materials" | "lights" | "animation" | Model::LONG => SymbolKind::List,
-            _ => SymbolKind::Field,
+        let of_type = Model::of_type().value(&name);
+        let kind = of_type.and_then(|of_type| SymbolKind::of_name(&of_type.noun()));
+        let (kind, children) = match (of_type, kind) {
+            (Some(Type::Map(..)), Some(kind)) => (SymbolKind::List, entries(finder, value, kind)),
+            (Some(Type::List(..)), Some(kind)) => (SymbolKind::List, elements(finder, value, kind)),
+            (_, Some(kind)) => (kind, Vec::new()),
+            _ if name == "animation" => (SymbolKind::List, animation(finder, value)),
+            _ => (SymbolKind::Field, Vec::new()),
         };
         Symbol {
             children,

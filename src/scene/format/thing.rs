@@ -141,6 +141,14 @@ impl Type {
         )
     }
 
+    /// Returns what each value is that it holds in the end, such as `light`, if that is one of several.
+    pub(crate) fn noun(self) -> String {
+        match self.innermost() {
+            Self::OneOf(one_of) => one_of.name.to_ascii_lowercase(),
+            _ => String::new(),
+        }
+    }
+
     /// Returns the docs.
     pub(crate) const fn docs(self) -> &'static str {
         match self {
