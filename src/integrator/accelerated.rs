@@ -6,9 +6,7 @@ use crate::{
     accel::bvh::{Hierarchy, build::Builder},
     integrator::direct::Queries,
     tracer::{
-        color::Color,
         geometry::Geometry,
-        material::Material,
         radiance::Radiance,
         ray::Ray,
         shape::face::{Crossing, FaceId},
@@ -34,13 +32,8 @@ impl<'a> Accelerated<'a> {
             builder,
             hierarchy: OnceLock::new(),
         };
-        let sends_rays = |material: &Material| match material {
-            Material::Matte(_) | Material::Flat(_) | Material::Emissive(_) => false,
-            Material::Phong(phong) => phong.reflection() != Color::BLACK,
-            Material::Mirror(_) | Material::Glass(_) => true,
-        };
-        let materials = world.geometries().iter().map(Geometry::materials);
-        if materials.flatten().any(sends_rays) {
+        let mut materials = world.geometries().iter().flat_map(Geometry::materials);
+        if materials.any(|material| material.lobes().sends_rays()) {
             accelerated.prepare();
         }
         accelerated

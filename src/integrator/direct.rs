@@ -5,16 +5,18 @@
 //! world, [`Queries`]. The plain loops of [`World`] define the answers; `accel/` finds the same ones
 //! sooner.
 
+use std::ops::Add;
+
 use glam::DVec3;
 
 use crate::tracer::{
+    color::Color,
     geometry::Geometry,
     hit::Hit,
     light::{Arriving, Light, ShadowRay},
     material::{
-        Material,
         glass::{Fresnel, Glass},
-        phong::Phong,
+        lobes::{Highlight, Lobes},
     },
     radiance::Radiance,
     ray::Ray,
@@ -150,6 +152,18 @@ impl Shaded {
     }
 }
 
+impl Add for Shaded {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            direct: self.direct + other.direct,
+            specular: self.specular + other.specular,
+            behind: self.behind + other.behind,
+        }
+    }
+}
+
 /// The direct lighting of a world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Direct<'a, Q> {
@@ -179,9 +193,9 @@ pub(crate) struct Path<'a> {
 pub(crate) enum Shadow {
     /// Nothing is in the way of the light.
     Lit,
-    /// An opaque geometry is in its way.
+    /// An opaque geometry is in its fresnel.
     Dark,
-    /// Glass may be in its way.
+    /// Glass may be in its fresnel.
     Glass,
 }
 
@@ -253,8 +267,8 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns the direction of a refracted ray.
-    fn refracted(&self, way: &Fresnel) -> DVec3 {
-        -self.v / way.eta + (self.n.dot(self.v) / way.eta - way.cos_refracted) * self.n
+    fn refracted(&self, fresnel: &Fresnel) -> DVec3 {
+        -self.v / fresnel.eta + (self.n.dot(self.v) / fresnel.eta - fresnel.cos_refracted) * self.n
     }
 }
 
@@ -315,27 +329,54 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.queries.tell(Step::Term(name, symbol, value));
     }
 
-    /// Returns the light that the surface of a geometry sends along a path.
+    /// Returns the light that the surface of a geometry sends along a path: the sum of its lobes.
     pub(crate) fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
         let geometry = &self.world.geometries()[index];
         let surface = Surface::new(path, index, geometry.hit_at(&path.ray, crossing));
         self.queries.tell(Step::Surface(&surface));
-        match &*surface.hit.material() {
-            Material::Matte(color) => {
-                let irradiance = self.irradiance(&surface, None)[0];
-                Shaded::direct(color.to_linear() * irradiance)
-            }
-            Material::Phong(phong) => self.phong(&surface, phong),
-            Material::Mirror(color) => self.reflection(&surface, color.to_linear()),
-            Material::Glass(glass) => self.glass(&surface, glass, geometry),
-            Material::Flat(color) => Shaded::direct(color.to_linear()),
-            Material::Emissive(emissive) => Shaded::direct(emissive.radiance()),
+        let material = surface.hit.material();
+        let lobes = material.lobes();
+        let Lobes {
+            emission,
+            diffuse,
+            highlight,
+            mirror,
+            interface,
+        } = lobes;
+        let mut shaded = Shaded::default();
+        if let Some(emission) = emission {
+            shaded.direct = emission.radiance();
         }
+        if lobes.scatters() {
+            shaded.direct = shaded.direct + self.scattered(&surface, diffuse, highlight);
+        }
+        if let Some(color) = mirror {
+            shaded = shaded + self.reflection(&surface, color.to_linear());
+        }
+        if let Some(glass) = interface {
+            shaded = shaded + self.glass(&surface, glass, geometry);
+        }
+        shaded
+    }
+
+    /// Returns the light of all lights that a surface scatters.
+    fn scattered(
+        &self,
+        surface: &Surface,
+        diffuse: Option<Color>,
+        highlight: Option<Highlight>,
+    ) -> Radiance {
+        let [irradiance, highlights] = self.irradiance(surface, highlight);
+        let part = |color: Option<Color>, light| {
+            color.map_or(Radiance::BLACK, |color| color.to_linear() * light)
+        };
+        let color = highlight.map(|highlight| highlight.color);
+        part(diffuse, irradiance) + part(color, highlights)
     }
 
     /// Returns Σ I, the sum of the light that arrives from all lights, in the order of the file,
     /// and the same weighted by a highlight.
-    fn irradiance(&self, surface: &Surface, phong: Option<&Phong>) -> [Radiance; 2] {
+    fn irradiance(&self, surface: &Surface, highlight: Option<Highlight>) -> [Radiance; 2] {
         let mut sums = [Radiance::BLACK; 2];
         for (number, light) in self.lighting.lights.iter().enumerate() {
             let Some((radiance, l)) = self.arriving(surface, number, light) else {
@@ -349,9 +390,9 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             let cosine = surface.n.dot(l);
             self.term("light", "I", Value::Light(radiance * cosine));
             sums[0] = sums[0] + radiance * cosine;
-            if let Some(phong) = phong {
+            if let Some(Highlight { exponent, .. }) = highlight {
                 let r = 2.0 * cosine * surface.n - l;
-                let highlight = libm::pow(r.dot(surface.v).max(0.0), phong.exponent());
+                let highlight = libm::pow(r.dot(surface.v).max(0.0), exponent);
                 self.term("r", "r", Value::Vector(r));
                 self.term("r_dot_v", "r·v", Value::Number(r.dot(surface.v)));
                 self.term(
@@ -365,7 +406,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
         self.queries.tell(Step::Summed);
         self.term("irradiance", "Σ I", Value::Light(sums[0]));
-        if phong.is_some() {
+        if highlight.is_some() {
             self.term("highlights", "Σ H", Value::Light(sums[1]));
         }
         sums
@@ -412,15 +453,6 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.queries.transmission(&ray, t_max, surface.own())
     }
 
-    fn phong(&self, surface: &Surface, phong: &Phong) -> Shaded {
-        let [irradiance, highlights] = self.irradiance(surface, Some(phong));
-        let scattered = phong.diffuse().to_linear() * irradiance;
-        Shaded {
-            direct: scattered + phong.specular().to_linear() * highlights,
-            ..self.reflection(surface, phong.reflection().to_linear())
-        }
-    }
-
     /// Returns the light that a surface reflects like a mirror.
     fn reflection(&self, surface: &Surface, factor: Radiance) -> Shaded {
         self.term("reflected", "reflected part", Value::Light(factor));
@@ -430,30 +462,24 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Shaded {
         let is_pane = geometry.shape().is_pane(surface.hit.face);
-        let way = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
+        let fresnel = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
         let onward = if is_pane {
             surface.path.ray.direction()
         } else {
-            surface.refracted(&way)
+            surface.refracted(&fresnel)
         };
-        let reflected = Radiance::WHITE * way.reflected;
-        let refracted = glass.color().to_linear() * (1.0 - way.reflected);
-        self.term("eta", "η", Value::Number(way.eta));
+        let reflected = Radiance::WHITE * fresnel.reflected;
+        let refracted = glass.color().to_linear() * (1.0 - fresnel.reflected);
+        self.term("eta", "η", Value::Number(fresnel.eta));
         self.term("n_dot_v", "n·v", Value::Number(surface.n.dot(surface.v)));
         self.term(
             "cos_refracted",
             "cos of the refracted ray",
-            Value::Number(way.cos_refracted),
+            Value::Number(fresnel.cos_refracted),
         );
-        self.term("fresnel", "F", Value::Number(way.reflected));
+        self.term("fresnel", "F", Value::Number(fresnel.reflected));
         self.term("refracted", "(1-F)·lin(color)", Value::Light(refracted));
         let path = surface.onward(onward, refracted);
-        let reflection = self.reflection(surface, reflected);
-        let refraction = self.follow(path).sent_on(refracted);
-        Shaded {
-            direct: Radiance::BLACK,
-            specular: reflection.specular + refraction.specular,
-            behind: reflection.behind + refraction.behind,
-        }
+        self.reflection(surface, reflected) + self.follow(path).sent_on(refracted)
     }
 }

@@ -11,7 +11,7 @@ use crate::{
     tracer::{
         color::Color,
         light::{Arriving, Light},
-        material::Material,
+        material::parameters::Parameter,
         radiance::Radiance,
         ray::Ray,
         shape::{
@@ -210,6 +210,13 @@ impl Listener<'_> {
 impl Shading {
     fn new(surface: &Surface, id: usize) -> Self {
         let material = &*surface.hit.material();
+        let mut terms = Vec::new();
+        material.each_parameter(|parameter| {
+            terms.push(match parameter {
+                Parameter::Color(name, color) => linear(name, color),
+                Parameter::Number(name, number) => Term::number(name, name, number),
+            });
+        });
         Self {
             id,
             t: surface.hit.t,
@@ -217,9 +224,9 @@ impl Shading {
             v: surface.v,
             n: surface.n,
             material: material.kind(),
-            equation: equation(material),
+            equation: material.equation(),
             lights: Vec::new(),
-            terms: parameters(material),
+            terms,
             onward: Vec::new(),
             is_summed: false,
         }
@@ -234,7 +241,7 @@ impl ShiningLight {
             kind: light.kind(),
             terms: vec![
                 Term::number("intensity", "intensity", glow.intensity()),
-                linear("color", "lin(color)", glow.color()),
+                linear("color", glow.color()),
             ],
             crossings: Vec::new(),
             dark: None,
@@ -259,49 +266,9 @@ impl ShiningLight {
     }
 }
 
-/// Returns the equation of the light of a material. The rays that it sends on follow in the same
-/// order.
-const fn equation(material: &Material) -> &'static str {
-    match material {
-        Material::Matte(_) => "lin(color) · Σ I",
-        Material::Phong(_) => {
-            "lin(diffuse) · Σ I + lin(specular) · Σ H + lin(reflection) · L(mirror)"
-        }
-        Material::Mirror(_) => "lin(color) · L(mirror)",
-        Material::Glass(_) => "F · L(mirror) + (1-F)·lin(color) · L(refracted)",
-        Material::Flat(_) => "lin(color)",
-        Material::Emissive(_) => "intensity · lin(color)",
-    }
-}
-
-/// Returns the parameters of a material in its equation.
-fn parameters(material: &Material) -> Vec<Term> {
-    let color = |color| vec![linear("color", "lin(color)", color)];
-    match material {
-        Material::Matte(matte) => color(*matte),
-        Material::Mirror(mirror) => color(*mirror),
-        Material::Flat(flat) => color(*flat),
-        Material::Phong(phong) => vec![
-            linear("diffuse", "lin(diffuse)", phong.diffuse()),
-            linear("specular", "lin(specular)", phong.specular()),
-            Term::number("exponent", "exponent", phong.exponent()),
-            linear("reflection", "lin(reflection)", phong.reflection()),
-        ],
-        Material::Glass(glass) => {
-            let mut terms = color(glass.color());
-            terms.push(Term::number("ior", "ior", glass.ior()));
-            terms
-        }
-        Material::Emissive(emissive) => {
-            let mut terms = color(emissive.color());
-            terms.push(Term::number("intensity", "intensity", emissive.intensity()));
-            terms
-        }
-    }
-}
-
-fn linear(name: &'static str, symbol: &'static str, color: Color) -> Term {
-    term(name, symbol, Value::Light(color.to_linear()))
+fn linear(name: &'static str, color: Color) -> Term {
+    let light = DVec3::from_array(color.to_linear().channels);
+    Term::vector(name, format!("lin({name})"), light)
 }
 
 fn term(name: &'static str, symbol: &'static str, value: Value) -> Term {
@@ -318,7 +285,7 @@ mod tests {
     use crate::tracer::{
         geometry::Geometry,
         light::{Directional, Falloff, Headlight, Point},
-        material::{Glass, Phong},
+        material::{Glass, Material, Phong},
         shape::{plane::Plane, sphere::Sphere},
         world::Lighting,
     };

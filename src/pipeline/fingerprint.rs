@@ -1,5 +1,7 @@
 //! A hash of everything a picture shows, to check if two pictures come from the same scene.
 
+use std::mem;
+
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
@@ -14,6 +16,7 @@ use crate::{
         material::{
             Material,
             coating::{Coating, VertexColors},
+            parameters::Parameter,
         },
         tone::{Tone, ToneMapping},
         world::{Lighting, World},
@@ -175,7 +178,12 @@ impl Fingerprint {
         // A flat picture shows the first color alone, as a matte surface does.
         if !matches!(material, Material::Matte(_)) {
             self.text(material.kind());
-            material.each_number(|number| self.number(number));
+            let mut is_first = true;
+            material.each_parameter(|parameter| match parameter {
+                Parameter::Color(..) if mem::take(&mut is_first) => {}
+                Parameter::Color(_, color) => self.color(color),
+                Parameter::Number(_, number) => self.number(number),
+            });
         }
         self.color(material.color());
     }

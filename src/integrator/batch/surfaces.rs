@@ -11,7 +11,11 @@ use crate::{
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
     tracer::{
-        material::Material, radiance::Radiance, ray::Bundle, shape::face::Crossing, world::World,
+        material::{Material, lobes::Lobes},
+        radiance::Radiance,
+        ray::Bundle,
+        shape::face::Crossing,
+        world::World,
     },
 };
 
@@ -101,13 +105,22 @@ impl Known {
 
     /// Returns the color and the kind of a surface that has one material.
     fn shown(material: &Material, is_lit: bool) -> (Radiance, Kind) {
-        match material {
-            _ if !is_lit => (material.color().to_linear(), Kind::Constant),
-            Material::Matte(color) => (color.to_linear(), Kind::Matte),
-            Material::Flat(color) => (color.to_linear(), Kind::Constant),
-            Material::Emissive(emissive) => (emissive.radiance(), Kind::Constant),
-            Material::Phong(_) => (Radiance::BLACK, Kind::Scattering),
-            Material::Mirror(_) | Material::Glass(_) => (Radiance::BLACK, Kind::Clear),
+        if !is_lit {
+            return (material.color().to_linear(), Kind::Constant);
+        }
+        let lobes = material.lobes();
+        let (emission, diffuse) = (lobes.emission, lobes.diffuse);
+        let has_no_more = lobes
+            == Lobes {
+                emission,
+                diffuse,
+                ..Lobes::NONE
+            };
+        match (emission, diffuse) {
+            (Some(emission), None) if has_no_more => (emission.radiance(), Kind::Constant),
+            (None, Some(color)) if has_no_more => (color.to_linear(), Kind::Matte),
+            _ if lobes.scatters() => (Radiance::BLACK, Kind::Scattering),
+            _ => (Radiance::BLACK, Kind::Clear),
         }
     }
 }

@@ -11,7 +11,6 @@ use crate::{
     scene::{
         format::{
             geometry::{mesh::MeshModel, nesting::Ordinal},
-            material::MaterialModel,
             scene::Model,
         },
         problem::{Focus, Problem},
@@ -32,7 +31,7 @@ impl<'a> Inward<'a> {
             .materials
             .iter()
             .flat_map(|materials| &materials.0)
-            .filter(|(_, material)| matches!(material, MaterialModel::Glass(_)));
+            .filter(|(_, material)| material.is_glass());
         Self {
             glass: materials.map(|(name, _)| &**name).collect(),
             files: BTreeMap::new(),
@@ -50,7 +49,7 @@ impl Found {
         known: &mut Inward<'a>,
     ) {
         let is_glass = mesh.material.as_deref().is_some_and(|material| {
-            matches!(material, MaterialModel::Glass(_))
+            material.is_glass()
                 || material
                     .named()
                     .is_some_and(|name| known.glass.contains(name))

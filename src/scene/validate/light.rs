@@ -21,7 +21,6 @@ use crate::{
     tracer::{
         geometry::Geometry,
         light::Light,
-        material::Material,
         shape::{Extent, Shape, Standing},
     },
 };
@@ -80,8 +79,7 @@ impl Found {
         if of_parts.any(|(_, light)| is_bright(light))
             || in_parts.any(|geometry| {
                 let mut materials = geometry.materials();
-                materials
-                    .any(|material| matches!(material, Material::Flat(_) | Material::Emissive(_)))
+                materials.any(|material| material.lobes().emission.is_some())
             })
         {
             return;
@@ -94,10 +92,9 @@ impl Found {
         let materials = model.materials.as_ref();
         let mut geometries = model.walk();
         let has_light_of_its_own = |material: &MaterialModel| {
-            let own = material.resolve(materials);
-            own.is_some_and(|own| {
-                matches!(own, MaterialModel::Flat(_) | MaterialModel::Emissive(_))
-            })
+            material
+                .resolve(materials)
+                .is_some_and(MaterialModel::emits)
         };
         if lights.iter().enumerate().any(shines)
             || geometries.any(|(_, geometry)| {

@@ -151,13 +151,10 @@ impl Found {
 
     /// Warns about what only lights show of a material: all but its first color.
     fn no_effect_without_lights(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
-        let first = match material {
-            MaterialModel::Phong(_) => "diffuse",
-            _ => "color",
-        };
+        let first = material.fields().first().map(|field| field.name);
         let mut fields = Vec::new();
         material.each(|field, _| fields.push(field.name));
-        for name in fields.into_iter().filter(|name| *name != first) {
+        for name in fields.into_iter().filter(|name| Some(*name) != first) {
             self.no_effect(path().field(name), WITHOUT_LIGHTS);
         }
     }

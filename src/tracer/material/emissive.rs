@@ -1,14 +1,25 @@
 //! A surface that shines.
 
 use crate::tracer::{
-    color::Color, error::GeometryError, light::BRIGHTEST, radiance::Radiance, vector::in_range,
+    color::Color,
+    error::GeometryError,
+    light::BRIGHTEST,
+    material::{
+        lobes::Lobes,
+        parameters::{Number, parameters},
+    },
+    radiance::Radiance,
+    vector::in_range,
 };
 
-/// A surface that shines, whatever light falls on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emissive {
-    pub(super) color: Color,
-    pub(super) intensity: f64,
+parameters! {
+    /// A surface that shines, whatever light falls on it.
+    pub struct Emissive {
+        /// The color.
+        color: Color,
+        /// The intensity.
+        intensity: Number,
+    }
 }
 
 impl Emissive {
@@ -22,18 +33,23 @@ impl Emissive {
         Ok(Self { color, intensity })
     }
 
-    /// The color.
-    pub const fn color(&self) -> Color {
-        self.color
-    }
-
-    /// The intensity.
-    pub const fn intensity(&self) -> f64 {
-        self.intensity
+    /// Creates a surface that shows `color`.
+    pub(super) const fn one(color: Color) -> Self {
+        let intensity = 1.0;
+        Self { color, intensity }
     }
 
     /// Returns the linear light of the color times the intensity.
     pub fn radiance(&self) -> Radiance {
         self.color.to_linear() * self.intensity
+    }
+}
+
+pub(super) const EQUATION: &str = "intensity · lin(color)";
+
+pub(super) const fn lobes(emissive: &Emissive) -> Lobes<'_> {
+    Lobes {
+        emission: Some(*emissive),
+        ..Lobes::NONE
     }
 }

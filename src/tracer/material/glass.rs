@@ -1,18 +1,29 @@
 //! A surface that reflects and refracts.
 
-use crate::tracer::{color::Color, error::GeometryError, vector::in_range};
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    material::{
+        lobes::Lobes,
+        parameters::{Number, parameters},
+    },
+    vector::in_range,
+};
 
 /// The limits of an index of refraction.
 pub(crate) const INDICES: [f64; 2] = [0.25, 4.0];
 
-/// A surface between air and glass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glass {
-    pub(super) color: Color,
-    pub(super) ior: f64,
+parameters! {
+    /// A surface between air and glass.
+    pub struct Glass {
+        /// The color of refracted light.
+        color: Color,
+        /// The index of refraction.
+        ior: Number,
+    }
 }
 
-/// The way of light at a surface of glass.
+/// The reflection and refraction of light at a surface of glass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel {
     /// The part of the light that is reflected, F.
@@ -34,18 +45,8 @@ impl Glass {
         Ok(Self { color, ior })
     }
 
-    /// The color of refracted light.
-    pub const fn color(&self) -> Color {
-        self.color
-    }
-
-    /// The index of refraction.
-    pub const fn ior(&self) -> f64 {
-        self.ior
-    }
-
-    /// Returns the way of a ray that meets the surface at an angle with this cosine, from outside
-    /// or from inside.
+    /// Returns the reflection and refraction of a ray that meets the surface at an angle with this
+    /// cosine, from outside or from inside.
     ///
     /// Snell's law gives the refracted ray; Fresnel's equations, for unpolarized light, the
     /// reflected part (Born and Wolf, "Principles of Optics", section 1.5).
@@ -72,6 +73,15 @@ impl Glass {
             eta,
             cos_refracted,
         }
+    }
+}
+
+pub(super) const EQUATION: &str = "F · L(mirror) + (1-F)·lin(color) · L(refracted)";
+
+pub(super) const fn lobes(glass: &Glass) -> Lobes<'_> {
+    Lobes {
+        interface: Some(glass),
+        ..Lobes::NONE
     }
 }
 

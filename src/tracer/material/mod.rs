@@ -1,11 +1,16 @@
 //! The materials of surfaces, one per file.
 //!
-//! A material says what a surface does with light;
-//! [`World::radiance`](crate::tracer::world::World::radiance) evaluates it.
+//! Everything that the rest of the crate needs from a material is a method here, implemented in the
+//! file of the material. What it does with light are its [lobes](lobes::Lobes).
 
 pub(crate) mod coating;
 pub(crate) mod emissive;
+mod flat;
 pub(crate) mod glass;
+pub(crate) mod lobes;
+mod matte;
+mod mirror;
+pub(crate) mod parameters;
 pub(crate) mod phong;
 
 pub use self::{
@@ -17,91 +22,96 @@ pub use self::{
 
 use std::sync::Arc;
 
-use crate::tracer::color::Color;
+use crate::tracer::{
+    color::Color,
+    material::{
+        lobes::Lobes,
+        parameters::{Parameter, Parameters},
+    },
+};
 
-/// A material of a surface.
-///
-/// A [`Color`] alone is a matte one. In a scene without lights, a geometry shows the material's
-/// [first color](Material::color).
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Material {
+/// Defines the enum of all materials and the methods that each material implements in its own file.
+macro_rules! materials {
+    ($($(#[$doc:meta])* $material:ident($content:ty) in $file:ident,)*) => {
+        /// A material of a surface.
+        ///
+        /// A [`Color`] alone is a matte one. In a scene without lights, a geometry shows the material's
+        /// [first color](Material::color).
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Material {
+            $($(#[$doc])* $material($content)),*
+        }
+
+        impl Material {
+            /// The name of the kind of material, in lowercase.
+            pub const fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$material(_) => stringify!($file)),*
+                }
+            }
+
+            /// The equation of the light that a surface sends. The rays that it sends on have this order.
+            pub(crate) const fn equation(&self) -> &'static str {
+                match self {
+                    $(Self::$material(_) => $file::EQUATION),*
+                }
+            }
+
+            /// The first color: `diffuse` or `color`.
+            pub fn color(&self) -> Color {
+                match self {
+                    $(Self::$material(material) => material.first()),*
+                }
+            }
+
+            /// Returns the material with another first color.
+            #[must_use]
+            pub fn with_color(&self, color: Color) -> Self {
+                match self {
+                    $(Self::$material(material) => Self::$material(material.with_first(color).into())),*
+                }
+            }
+
+            /// Returns what a surface does with light.
+            #[inline(always)]
+            pub(crate) fn lobes(&self) -> Lobes<'_> {
+                match self {
+                    $(Self::$material(material) => $file::lobes(material)),*
+                }
+            }
+
+            /// Calls `see` with every parameter, the first color first.
+            pub(crate) fn each_parameter(&self, see: impl FnMut(Parameter)) {
+                match self {
+                    $(Self::$material(material) => material.each(see)),*
+                }
+            }
+        }
+    };
+}
+
+materials! {
     /// Scatters light evenly to all sides (Lambert).
-    Matte(Color),
+    Matte(Color) in matte,
     /// Scatters light, with a highlight, and may reflect a part of what is around it.
-    Phong(Arc<Phong>),
+    Phong(Arc<Phong>) in phong,
     /// Reflects what is around it, times a color.
-    Mirror(Color),
+    Mirror(Color) in mirror,
     /// Reflects and refracts.
-    Glass(Arc<Glass>),
+    Glass(Arc<Glass>) in glass,
     /// Shows its color in any light.
-    Flat(Color),
+    Flat(Color) in flat,
     /// Shines, but lights nothing else.
-    Emissive(Arc<Emissive>),
+    Emissive(Arc<Emissive>) in emissive,
 }
 
 impl Material {
-    /// The name of the kind of material, in lowercase.
-    pub const fn kind(&self) -> &'static str {
-        match self {
-            Self::Matte(_) => "matte",
-            Self::Phong(_) => "phong",
-            Self::Mirror(_) => "mirror",
-            Self::Glass(_) => "glass",
-            Self::Flat(_) => "flat",
-            Self::Emissive(_) => "emissive",
-        }
-    }
-
-    /// The first color: `diffuse` or `color`.
-    pub fn color(&self) -> Color {
-        match self {
-            Self::Matte(color) | Self::Mirror(color) | Self::Flat(color) => *color,
-            Self::Phong(phong) => phong.diffuse,
-            Self::Glass(glass) => glass.color,
-            Self::Emissive(emissive) => emissive.color,
-        }
-    }
-
-    /// Returns the material with another first color.
-    #[must_use]
-    pub fn with_color(&self, color: Color) -> Self {
-        match self {
-            Self::Matte(_) => Self::Matte(color),
-            Self::Mirror(_) => Self::Mirror(color),
-            Self::Flat(_) => Self::Flat(color),
-            Self::Phong(phong) => Self::from(Phong {
-                diffuse: color,
-                ..**phong
-            }),
-            Self::Glass(glass) => Self::from(Glass { color, ..**glass }),
-            Self::Emissive(emissive) => Self::from(Emissive {
-                color,
-                ..**emissive
-            }),
-        }
-    }
-
-    /// Returns true if light goes through: then the shadow of the geometry is not black.
-    pub(crate) const fn glass(&self) -> Option<&Arc<Glass>> {
-        match self {
-            Self::Glass(glass) => Some(glass),
-            Self::Matte(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Flat(_)
-            | Self::Emissive(_) => None,
-        }
-    }
-
-    /// Calls `see` with every number beyond the first color.
-    pub(crate) fn each_number(&self, mut see: impl FnMut(f64)) {
-        match self {
-            Self::Matte(_) | Self::Mirror(_) | Self::Flat(_) => {}
-            Self::Phong(phong) => phong.numbers().into_iter().for_each(see),
-            Self::Glass(glass) => see(glass.ior),
-            Self::Emissive(emissive) => see(emissive.intensity),
-        }
+    /// Returns the glass that light goes through, if it does: then the shadow of the geometry is not
+    /// black.
+    #[inline(always)]
+    pub(crate) fn glass(&self) -> Option<&Glass> {
+        self.lobes().interface
     }
 }
 
@@ -109,24 +119,6 @@ impl From<Color> for Material {
     /// Creates a matte material.
     fn from(color: Color) -> Self {
         Self::Matte(color)
-    }
-}
-
-impl From<Phong> for Material {
-    fn from(phong: Phong) -> Self {
-        Self::Phong(phong.into())
-    }
-}
-
-impl From<Glass> for Material {
-    fn from(glass: Glass) -> Self {
-        Self::Glass(glass.into())
-    }
-}
-
-impl From<Emissive> for Material {
-    fn from(emissive: Emissive) -> Self {
-        Self::Emissive(emissive.into())
     }
 }
 

@@ -1,18 +1,31 @@
 //! A surface with a highlight.
 
-use crate::tracer::{color::Color, error::GeometryError, vector::in_range};
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    material::{
+        lobes::{Highlight, Lobes},
+        parameters::{Number, parameters},
+    },
+    vector::in_range,
+};
 
 /// The largest exponent of a highlight.
 pub(crate) const SHARPEST: f64 = 1e6;
 
-/// A surface that scatters light, with a highlight where a mirror would show the light (Phong,
-/// "Illumination for computer generated pictures", 1975).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Phong {
-    pub(super) diffuse: Color,
-    pub(super) specular: Color,
-    pub(super) exponent: f64,
-    pub(super) reflection: Color,
+parameters! {
+    /// A surface that scatters light, with a highlight where a mirror would show the light (Phong,
+    /// "Illumination for computer generated pictures", 1975).
+    pub struct Phong {
+        /// The color of scattered light.
+        diffuse: Color,
+        /// The color of the highlight.
+        specular: Color,
+        /// The exponent of the highlight.
+        exponent: Number,
+        /// The part of the reflected light; black if nothing is reflected.
+        reflection: Color,
+    }
 }
 
 impl Phong {
@@ -36,34 +49,19 @@ impl Phong {
             reflection,
         })
     }
+}
 
-    /// The color of scattered light.
-    pub const fn diffuse(&self) -> Color {
-        self.diffuse
-    }
+pub(super) const EQUATION: &str =
+    "lin(diffuse) · Σ I + lin(specular) · Σ H + lin(reflection) · L(mirror)";
 
-    /// The color of the highlight.
-    pub const fn specular(&self) -> Color {
-        self.specular
-    }
-
-    /// The exponent of the highlight.
-    pub const fn exponent(&self) -> f64 {
-        self.exponent
-    }
-
-    /// The part of the reflected light; black if nothing is reflected.
-    pub const fn reflection(&self) -> Color {
-        self.reflection
-    }
-
-    pub(super) const fn numbers(&self) -> [f64; 7] {
-        let Self {
-            diffuse: _,
-            specular: s,
-            exponent,
-            reflection: r,
-        } = self;
-        [s.r(), s.g(), s.b(), *exponent, r.r(), r.g(), r.b()]
+pub(super) const fn lobes(phong: &Phong) -> Lobes<'_> {
+    Lobes {
+        diffuse: Some(phong.diffuse),
+        highlight: Some(Highlight {
+            color: phong.specular,
+            exponent: phong.exponent,
+        }),
+        mirror: Some(phong.reflection),
+        ..Lobes::NONE
     }
 }

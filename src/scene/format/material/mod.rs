@@ -76,8 +76,13 @@ impl MaterialModel {
     }
 
     /// Returns true for glass.
-    pub(crate) const fn is_glass(&self) -> bool {
+    pub(crate) fn is_glass(&self) -> bool {
         matches!(self, Self::Glass(_))
+    }
+
+    /// Returns true if it sends light of its own.
+    pub(crate) fn emits(&self) -> bool {
+        matches!(self, Self::Flat(_) | Self::Emissive(_))
     }
 
     /// Returns the name that it refers to.

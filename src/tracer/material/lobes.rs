@@ -1,0 +1,52 @@
+//! The lobes of a surface: the ways in which it sends light.
+
+use crate::tracer::{
+    color::Color,
+    material::{emissive::Emissive, glass::Glass},
+};
+
+/// The lobes of a surface. The light that it sends is the sum of theirs.
+///
+/// Integrators ask for these and never for the kind of material, and name every lobe, so that the
+/// compiler lists them if there is a new one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lobes<'m> {
+    /// Light that the surface sends whatever arrives.
+    pub(crate) emission: Option<Emissive>,
+    /// The factor of light that is scattered evenly to all sides (Lambert).
+    pub(crate) diffuse: Option<Color>,
+    /// Light that is scattered around the mirrored direction.
+    pub(crate) highlight: Option<Highlight>,
+    /// The factor of light that is reflected as by a mirror.
+    pub(crate) mirror: Option<Color>,
+    /// The interface at which light is reflected and refracted.
+    pub(crate) interface: Option<&'m Glass>,
+}
+
+/// Light that is scattered around the mirrored direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Highlight {
+    pub(crate) color: Color,
+    pub(crate) exponent: f64,
+}
+
+impl Lobes<'_> {
+    /// No lobe: black.
+    pub(crate) const NONE: Self = Self {
+        emission: None,
+        diffuse: None,
+        highlight: None,
+        mirror: None,
+        interface: None,
+    };
+
+    /// Returns true if the surface sends rays on.
+    pub(crate) const fn sends_rays(&self) -> bool {
+        self.mirror.is_some() || self.interface.is_some()
+    }
+
+    /// Returns true if the surface scatters the light of lights.
+    pub(crate) const fn scatters(&self) -> bool {
+        self.diffuse.is_some() || self.highlight.is_some()
+    }
+}
