@@ -15,10 +15,11 @@ use crate::{
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
-        light::{Falloff, Light, Spot},
+        light::{Falloff, Light, Source, spot::Fading},
         radiance::{BLOCK, Bytes, Radiance},
         shape::face::FaceId,
         tone::Tone,
+        vector,
         world::{Lighting, World},
     },
 };
@@ -209,25 +210,20 @@ struct Arriving<S: Simd> {
 /// Returns the light that arrives at eight points, before shadows; `None` for light from everywhere.
 #[inline(always)]
 fn arriving<S: Simd>(simd: S, light: &Light, hits: &Hits<S>) -> Option<Arriving<S>> {
-    let everywhere = simd.splat(0.0).lt(simd.splat(1.0));
-    let (position, falloff, spot) = match light {
-        Light::Ambient(_) => return None,
-        Light::Headlight(_) => {
-            return Some(Arriving {
-                weight: None,
-                l: hits.v,
-                reaches: everywhere,
-            });
-        }
-        Light::Directional(directional) => {
-            return Some(Arriving {
-                weight: None,
-                l: splat3(simd, directional.l()),
-                reaches: everywhere,
-            });
-        }
-        Light::Point(point) => (point.position(), point.falloff(), None),
-        Light::Spot(spot) => (spot.position(), spot.falloff(), Some(spot)),
+    let evenly = |l| Arriving {
+        weight: None,
+        l,
+        reaches: simd.splat(0.0).lt(simd.splat(1.0)),
+    };
+    let (position, falloff, cone) = match light.source() {
+        Source::Everywhere => return None,
+        Source::Viewer => return Some(evenly(hits.v)),
+        Source::Direction(to_light) => return Some(evenly(splat3(simd, vector::unit(to_light)))),
+        Source::Point {
+            position,
+            falloff,
+            cone,
+        } => (position, falloff, cone),
     };
     let to_light = sub(splat3(simd, position), hits.point);
     let squared = dot(to_light, to_light);
@@ -236,10 +232,10 @@ fn arriving<S: Simd>(simd: S, light: &Light, hits: &Hits<S>) -> Option<Arriving<
         Falloff::InverseSquare => Some(simd.splat(1.0) / squared),
         Falloff::Constant => None,
     };
-    let weight = match (falloff, spot) {
-        (Some(falloff), Some(spot)) => Some(falloff * fade(simd, spot, l)),
-        (None, Some(spot)) => Some(fade(simd, spot, l)),
-        (falloff, None) => falloff,
+    let cone = cone.map(|cone| fade(simd, cone, l));
+    let weight = match (falloff, cone) {
+        (Some(falloff), Some(cone)) => Some(falloff * cone),
+        (falloff, cone) => falloff.or(cone),
     };
     Some(Arriving {
         weight,
@@ -251,9 +247,9 @@ fn arriving<S: Simd>(simd: S, light: &Light, hits: &Hits<S>) -> Option<Arriving<
 /// Returns the part of the light that a cone lets through, as
 /// [`Light::arriving`](crate::tracer::light::Light) does.
 #[inline(always)]
-fn fade<S: Simd>(simd: S, spot: &Spot, l: [S::F64; 3]) -> S::F64 {
-    let (axis, [inner, outer]) = spot.fading();
-    let cosine = -dot(l, splat3(simd, axis));
+fn fade<S: Simd>(simd: S, cone: Fading, l: [S::F64; 3]) -> S::F64 {
+    let [inner, outer] = cone.cosines;
+    let cosine = -dot(l, splat3(simd, cone.axis));
     let (zero, one) = (simd.splat(0.0), simd.splat(1.0));
     if inner <= outer {
         return S::F64::select(simd.splat(outer).le(cosine), one, zero);
@@ -270,9 +266,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
     fn run<S: Simd>(mut self, simd: S) {
         let count = self.row.ids.len();
         let lights = self.lighting.map_or(&[][..], |lighting| &lighting.lights);
-        let needs_v = lights
-            .iter()
-            .any(|light| matches!(light, Light::Headlight(_)));
+        let needs_v = lights.iter().any(|light| light.source() == Source::Viewer);
         let mut last = vec![Last::default(); lights.len()];
         let mut shadows = vec![[Shadow::Lit; LANES]; lights.len()];
         for start in (0..count).step_by(LANES) {

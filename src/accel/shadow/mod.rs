@@ -23,7 +23,7 @@ use crate::{
     simd::{Isa, LANES, Simd},
     tracer::{
         geometry::Geometry,
-        light::{Light, falloff::END},
+        light::{Light, Source, falloff::END},
         ray::Ray,
         shape::plane::Plane,
         world::World,
@@ -42,11 +42,10 @@ pub(crate) enum Toward {
 impl Toward {
     /// Returns the end of a light's shadow rays; `None` if it casts no shadows.
     pub(crate) fn of(light: &Light) -> Option<Self> {
-        let toward = match light {
-            Light::Ambient(_) | Light::Headlight(_) => return None,
-            Light::Directional(light) => Self::Direction(-light.direction()),
-            Light::Point(light) => Self::Point(light.position()),
-            Light::Spot(light) => Self::Point(light.position()),
+        let toward = match light.source() {
+            Source::Everywhere | Source::Viewer => return None,
+            Source::Direction(to_light) => Self::Direction(to_light),
+            Source::Point { position, .. } => Self::Point(position),
         };
         light.shadows().then_some(toward)
     }

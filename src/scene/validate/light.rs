@@ -10,7 +10,7 @@ use crate::{
         animation::frames::Frames,
         format::{
             geometry::{GeometryModel, nesting::Leaf},
-            light::{FalloffModel, LightModel, SpotLightModel},
+            light::{LightModel, SpotLightModel},
             material::MaterialModel,
             scene::Model,
             thing::Thing,
@@ -20,7 +20,7 @@ use crate::{
     },
     tracer::{
         geometry::Geometry,
-        light::Light,
+        light::{Falloff, Light, Source},
         shape::{Extent, Shape, Standing},
     },
 };
@@ -125,16 +125,23 @@ impl Found {
             if self.is_cancelled() {
                 return;
             }
-            let light = given.build();
-            let (light, position, shadows) = match &light {
-                Ok(light @ Light::Point(point)) => (light, point.position(), point.shadows()),
-                Ok(light @ Light::Spot(spot)) => (light, spot.position(), spot.shadows()),
-                Ok(_) | Err(_) => continue,
+            let Ok(light) = given.build() else { continue };
+            let (position, falloff) = match light.source() {
+                Source::Everywhere | Source::Viewer | Source::Direction(_) => continue,
+                Source::Point {
+                    position, falloff, ..
+                } => (position, falloff),
             };
-            if let Some(dim) = dim(given) {
-                self.dim_light((light, dim), position, index, model, tables);
+            if falloff == Falloff::InverseSquare {
+                let mut dim = DIM_BY_DEFAULT;
+                given.each(|field, _| {
+                    if field.name == "intensity" {
+                        dim = DIM;
+                    }
+                });
+                self.dim_light((&light, dim), position, index, model, tables);
             }
-            if shadows {
+            if light.shadows() {
                 self.light_inside(position, index, (model, tables), eyes);
             }
         }
@@ -248,20 +255,6 @@ impl Found {
 
 fn path_of(index: usize) -> Path {
     Path::ROOT.field("lights").index(index)
-}
-
-/// Returns the part of white below which a light is dim, if it weakens with the distance.
-fn dim(light: &LightModel) -> Option<f64> {
-    let (falloff, intensity) = match light {
-        LightModel::Point(light) => (light.falloff, light.intensity),
-        LightModel::Spot(light) => (light.falloff, light.intensity),
-        LightModel::Ambient(_) | LightModel::Headlight(_) | LightModel::Directional(_) => {
-            return None;
-        }
-    };
-    let weakens = falloff.unwrap_or_default() == FalloffModel::InverseSquare;
-    let dim = intensity.map_or(DIM_BY_DEFAULT, |_| DIM);
-    weakens.then_some(dim)
 }
 
 /// Calls `see` with every shape of a scene, until it is cancelled.

@@ -1,11 +1,9 @@
 //! Light from everywhere.
 
-use glam::DVec3;
-
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Arriving, Glow},
+    light::{Glow, Source},
     transform::Transform,
 };
 
@@ -34,11 +32,8 @@ impl Ambient {
         Ok(*self)
     }
 
-    pub(super) fn arriving(&self, _: DVec3, _: DVec3) -> Option<Arriving> {
-        Some(Arriving {
-            radiance: self.glow.radiance,
-            from: None,
-        })
+    pub(super) const fn source(&self) -> Source {
+        Source::Everywhere
     }
 
     pub(super) const fn numbers(&self) -> [f64; 0] {

@@ -5,9 +5,9 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Arriving, Glow, Incidence, ShadowRay},
+    light::{Glow, Source},
     transform::Transform,
-    vector::{direction, finite, unit},
+    vector::{direction, finite},
 };
 
 /// Parallel light, as from the sun.
@@ -49,11 +49,6 @@ impl Directional {
         self.shadows
     }
 
-    /// Returns the unit vector to the light.
-    pub(crate) fn l(&self) -> DVec3 {
-        unit(-self.direction)
-    }
-
     pub(super) fn placed(&self, transform: &Transform) -> Result<Self, GeometryError> {
         let towards = transform.direction(self.direction);
         Ok(Self {
@@ -62,18 +57,8 @@ impl Directional {
         })
     }
 
-    pub(super) fn arriving(&self, _: DVec3, _: DVec3) -> Option<Arriving> {
-        let direction = -self.direction;
-        let t_max = f64::INFINITY;
-        Some(Arriving {
-            radiance: self.glow.radiance,
-            from: Some(Incidence {
-                l: self.l(),
-                falloff: 1.0,
-                cone: 1.0,
-                shadow: self.shadows.then_some(ShadowRay { direction, t_max }),
-            }),
-        })
+    pub(super) fn source(&self) -> Source {
+        Source::Direction(-self.direction)
     }
 
     pub(super) fn numbers(&self) -> [f64; 4] {

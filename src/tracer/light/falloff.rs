@@ -2,8 +2,6 @@
 
 use glam::DVec3;
 
-use crate::tracer::{light::ShadowRay, vector::is_direction};
-
 /// The weakening of light by distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Falloff {
@@ -14,8 +12,8 @@ pub enum Falloff {
     Constant,
 }
 
-/// The end of a shadow ray as a part of the way to the light. Just below 1, so that a surface that
-/// the light lies on does not shadow it.
+/// The upper bound of `t` on a shadow ray to a point. Just below 1, so that a surface that the light
+/// lies on does not shadow it.
 pub(crate) const END: f64 = 1.0 - 1.0 / (1_u64 << 32) as f64;
 
 impl Falloff {
@@ -33,20 +31,5 @@ impl Falloff {
             Self::InverseSquare => 0.0,
             Self::Constant => 1.0,
         }
-    }
-}
-
-/// Returns the vector from a point to a light, `L - p`; `None` if the light lies on the point, or
-/// too far away for f64.
-pub(super) fn to_light(light: DVec3, point: DVec3) -> Option<DVec3> {
-    let to_light = light - point;
-    is_direction(to_light).then_some(to_light)
-}
-
-/// Returns the shadow ray to a light at `to_light`.
-pub(super) const fn shadow_ray(to_light: DVec3) -> ShadowRay {
-    ShadowRay {
-        direction: to_light,
-        t_max: END,
     }
 }

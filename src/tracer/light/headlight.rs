@@ -1,11 +1,9 @@
 //! A light at the viewer.
 
-use glam::DVec3;
-
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Arriving, Glow, Incidence},
+    light::{Glow, Source},
     transform::Transform,
 };
 
@@ -34,16 +32,8 @@ impl Headlight {
         Ok(*self)
     }
 
-    pub(super) fn arriving(&self, _: DVec3, v: DVec3) -> Option<Arriving> {
-        Some(Arriving {
-            radiance: self.glow.radiance,
-            from: Some(Incidence {
-                l: v,
-                falloff: 1.0,
-                cone: 1.0,
-                shadow: None,
-            }),
-        })
+    pub(super) const fn source(&self) -> Source {
+        Source::Viewer
     }
 
     pub(super) const fn numbers(&self) -> [f64; 0] {

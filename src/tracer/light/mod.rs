@@ -25,7 +25,12 @@ pub use self::{
 use glam::DVec3;
 
 use crate::tracer::{
-    color::Color, error::GeometryError, radiance::Radiance, transform::Transform, vector::in_range,
+    color::Color,
+    error::GeometryError,
+    light::{falloff::END, spot::Fading},
+    radiance::Radiance,
+    transform::Transform,
+    vector::{in_range, is_direction, unit},
 };
 
 /// Defines the enum of all lights and the methods that each light implements in its own file.
@@ -60,11 +65,11 @@ macro_rules! lights {
                 }
             }
 
-            /// Returns the light that arrives at a point of a surface if nothing is in its way; `v`
-            /// is the unit vector to the viewer. `None` if none arrives.
-            pub(crate) fn arriving(&self, point: DVec3, v: DVec3) -> Option<Arriving> {
+            /// Returns the place that the light comes from.
+            #[inline(always)]
+            pub(crate) fn source(&self) -> Source {
                 match self {
-                    $(Self::$light(light) => light.arriving(point, v)),*
+                    $(Self::$light(light) => light.source()),*
                 }
             }
 
@@ -107,6 +112,64 @@ lights! {
     Point = "point",
     /// A cone of light from a point.
     Spot = "spot",
+}
+
+/// The place that light comes from. It determines the light at each point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// All directions.
+    Everywhere,
+    /// The viewer.
+    Viewer,
+    /// This direction, of any length, from all surfaces.
+    Direction(DVec3),
+    /// A point.
+    Point {
+        position: DVec3,
+        falloff: Falloff,
+        /// The cone that the light is limited to.
+        cone: Option<Fading>,
+    },
+}
+
+impl Light {
+    /// Returns the light that arrives at a point of a surface if nothing is in its way; `v` is the
+    /// unit vector to the viewer. `None` if none arrives: the light lies on the point, or too far
+    /// away for f64.
+    pub(crate) fn arriving(&self, point: DVec3, v: DVec3) -> Option<Arriving> {
+        let radiance = self.glow().radiance;
+        let (l, falloff, cone, ray) = match self.source() {
+            Source::Everywhere => {
+                let from = None;
+                return Some(Arriving { radiance, from });
+            }
+            Source::Viewer => (v, 1.0, 1.0, None),
+            Source::Direction(to_light) => {
+                (unit(to_light), 1.0, 1.0, Some((to_light, f64::INFINITY)))
+            }
+            Source::Point {
+                position,
+                falloff,
+                cone,
+            } => {
+                let to_light = position - point;
+                let l = is_direction(to_light).then(|| unit(to_light))?;
+                let cone = cone.map_or(1.0, |cone| cone.at(l));
+                (l, falloff.at(to_light), cone, Some((to_light, END)))
+            }
+        };
+        let ray = ray.filter(|_| self.shadows());
+        let shadow = ray.map(|(direction, t_max)| ShadowRay { direction, t_max });
+        Some(Arriving {
+            radiance: radiance * (falloff * cone),
+            from: Some(Incidence {
+                l,
+                falloff,
+                cone,
+                shadow,
+            }),
+        })
+    }
 }
 
 /// The color and the intensity of a light.

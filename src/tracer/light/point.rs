@@ -5,12 +5,9 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{
-        Arriving, Glow, Incidence,
-        falloff::{Falloff, shadow_ray, to_light},
-    },
+    light::{Falloff, Glow, Source},
     transform::Transform,
-    vector::{finite, unit},
+    vector::finite,
 };
 
 /// Light from a point in all directions.
@@ -65,18 +62,12 @@ impl Point {
         })
     }
 
-    pub(super) fn arriving(&self, point: DVec3, _: DVec3) -> Option<Arriving> {
-        let to_light = to_light(self.position, point)?;
-        let falloff = self.falloff.at(to_light);
-        Some(Arriving {
-            radiance: self.glow.radiance * falloff,
-            from: Some(Incidence {
-                l: unit(to_light),
-                falloff,
-                cone: 1.0,
-                shadow: self.shadows.then(|| shadow_ray(to_light)),
-            }),
-        })
+    pub(super) const fn source(&self) -> Source {
+        Source::Point {
+            position: self.position,
+            falloff: self.falloff,
+            cone: None,
+        }
     }
 
     pub(super) fn numbers(&self) -> [f64; 5] {

@@ -7,10 +7,7 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{
-        Arriving, Glow, Incidence,
-        falloff::{Falloff, shadow_ray, to_light},
-    },
+    light::{Falloff, Glow, Source},
     transform::Transform,
     vector::{direction, finite, in_range, unit},
 };
@@ -25,10 +22,31 @@ pub struct Spot {
     blend: f64,
     falloff: Falloff,
     shadows: bool,
+    fading: Fading,
+}
+
+/// The fading of the light at the edge of a cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fading {
     /// The axis of the cone, as a unit vector.
-    axis: DVec3,
+    pub(crate) axis: DVec3,
     /// The cosines of the half angles at which the light begins to fade, and ends.
-    cosines: [f64; 2],
+    pub(crate) cosines: [f64; 2],
+}
+
+impl Fading {
+    /// Returns the part of the light that the cone lets through, towards a surface that sees the
+    /// light along `l`.
+    pub(super) fn at(&self, l: DVec3) -> f64 {
+        let cosine = -(l.dot(self.axis));
+        let [inner, outer] = self.cosines;
+        // The cosines of a tiny angle may be equal, too: then there is nothing to fade over.
+        if inner <= outer {
+            return if cosine >= outer { 1.0 } else { 0.0 };
+        }
+        let s = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0);
+        s * s * (3.0 - 2.0 * s)
+    }
 }
 
 /// The shape of a cone of light.
@@ -74,8 +92,10 @@ impl Spot {
             blend,
             falloff,
             shadows,
-            axis: unit(along),
-            cosines: [libm::cos(inner), libm::cos(outer)],
+            fading: Fading {
+                axis: unit(along),
+                cosines: [libm::cos(inner), libm::cos(outer)],
+            },
         })
     }
 
@@ -109,45 +129,20 @@ impl Spot {
         Ok(Self {
             position: finite(transform.point(self.position), "position")?,
             direction: along,
-            axis: unit(along),
+            fading: Fading {
+                axis: unit(along),
+                ..self.fading
+            },
             ..*self
         })
     }
 
-    pub(super) fn arriving(&self, point: DVec3, _: DVec3) -> Option<Arriving> {
-        let to_light = to_light(self.position, point)?;
-        let l = unit(to_light);
-        let cone = self.fade(l);
-        let falloff = self.falloff.at(to_light);
-        let arriving = Arriving {
-            radiance: self.glow.radiance * (falloff * cone),
-            from: Some(Incidence {
-                l,
-                falloff,
-                cone,
-                shadow: self.shadows.then(|| shadow_ray(to_light)),
-            }),
-        };
-        Some(arriving)
-    }
-
-    /// The axis of the cone as a unit vector, and the cosines of the half angles at which the light
-    /// begins to fade, and ends.
-    pub(crate) const fn fading(&self) -> (DVec3, [f64; 2]) {
-        (self.axis, self.cosines)
-    }
-
-    /// Returns the part of the light that the cone lets through, towards a surface that sees the
-    /// light along `l`.
-    fn fade(&self, l: DVec3) -> f64 {
-        let cosine = -(l.dot(self.axis));
-        let [inner, outer] = self.cosines;
-        // The cosines of a tiny angle may be equal, too: then there is nothing to fade over.
-        if inner <= outer {
-            return if cosine >= outer { 1.0 } else { 0.0 };
+    pub(super) const fn source(&self) -> Source {
+        Source::Point {
+            position: self.position,
+            falloff: self.falloff,
+            cone: Some(self.fading),
         }
-        let s = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0);
-        s * s * (3.0 - 2.0 * s)
     }
 
     pub(super) fn numbers(&self) -> [f64; 10] {
