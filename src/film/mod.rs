@@ -136,49 +136,49 @@ impl<'a> Run<'a> {
 
 /// One number for each pixel of a piece.
 #[derive(Clone, Debug, PartialEq)]
-struct Plane<T: Spared>(Vec<T>);
+struct Plane<T: Pooled>(Vec<T>);
 
 /// Numbers whose memory is kept when a piece is dropped, and reused for new ones of any picture.
 /// Memory that one thread allocates and another frees returns to the system, and requesting it again
 /// takes a noticeable part of the render time.
-trait Spared: Copy + 'static {
-    fn spare() -> &'static Mutex<Vec<Vec<Self>>>;
+trait Pooled: Copy + 'static {
+    fn pool() -> &'static Mutex<Vec<Vec<Self>>>;
 }
 
-impl Spared for u32 {
-    fn spare() -> &'static Mutex<Vec<Vec<Self>>> {
-        static SPARE: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
-        &SPARE
+impl Pooled for u32 {
+    fn pool() -> &'static Mutex<Vec<Vec<Self>>> {
+        static POOL: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
+        &POOL
     }
 }
 
-impl Spared for f64 {
-    fn spare() -> &'static Mutex<Vec<Vec<Self>>> {
-        static SPARE: Mutex<Vec<Vec<f64>>> = Mutex::new(Vec::new());
-        &SPARE
+impl Pooled for f64 {
+    fn pool() -> &'static Mutex<Vec<Vec<Self>>> {
+        static POOL: Mutex<Vec<Vec<f64>>> = Mutex::new(Vec::new());
+        &POOL
     }
 }
 
-/// The maximum number of spare planes of a kind: at most eight megabytes in total.
-const MOST_SPARE: usize = 32;
+/// The maximum number of pooled planes of a kind: at most eight megabytes in total.
+const MOST_POOLED: usize = 32;
 
-impl<T: Spared> Plane<T> {
+impl<T: Pooled> Plane<T> {
     /// Creates a plane of equal numbers.
     fn new(count: usize, number: T) -> Self {
-        let mut spare = T::spare().lock().unwrap_or_else(PoisonError::into_inner);
-        let mut plane = spare.pop().unwrap_or_default();
-        drop(spare);
+        let mut pool = T::pool().lock().unwrap_or_else(PoisonError::into_inner);
+        let mut plane = pool.pop().unwrap_or_default();
+        drop(pool);
         plane.clear();
         plane.resize(count, number);
         Self(plane)
     }
 }
 
-impl<T: Spared> Drop for Plane<T> {
+impl<T: Pooled> Drop for Plane<T> {
     fn drop(&mut self) {
-        let mut spare = T::spare().lock().unwrap_or_else(PoisonError::into_inner);
-        if spare.len() < MOST_SPARE && self.0.capacity() > 0 {
-            spare.push(mem::take(&mut self.0));
+        let mut pool = T::pool().lock().unwrap_or_else(PoisonError::into_inner);
+        if pool.len() < MOST_POOLED && self.0.capacity() > 0 {
+            pool.push(mem::take(&mut self.0));
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::tracer::color::Color;
 /// nearest sample that sees it. Its share is 1 towards nothing, towards another geometry that its ray
 /// meets as well while that one's ray does not meet its own, and towards its own geometry if that lies
 /// behind by more than `depth`. In the opposite case it is 0. Otherwise it is `b / (a + b)`, with the
-/// cosines `a` and `b` between normal and ray of both samples. The sample is inked if the other one is
+/// cosines `a` and `b` between normal and ray of both samples. The sample is outlined if the other one is
 /// nearer than `width` and, from halfway between them, its share of `width` or less away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlines {

@@ -117,7 +117,7 @@ impl World {
     }
 }
 
-/// The light of a ray, by its way to the first surface.
+/// The light of a ray, by what the first surface does with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Shaded {
     /// What the surface itself sends: light that it scatters, highlights, its own light; or the

@@ -15,7 +15,7 @@ use crate::{
         light::Light,
         material::{
             Material,
-            coating::{Coating, VertexColors},
+            binding::{MaterialBinding, VertexColors},
             parameters::Parameter,
         },
         tone::{Tone, ToneMapping},
@@ -129,26 +129,26 @@ impl Fingerprint {
     }
 
     fn geometry(&mut self, geometry: &Geometry) {
-        let (shape, coating) = geometry.parts();
+        let (shape, binding) = geometry.parts();
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
         if let Some(copies) = shape.copies() {
             copies.shapes().for_each(|shape| self.text(shape.kind()));
         }
-        self.coating(coating);
+        self.binding(binding);
     }
 
-    fn coating(&mut self, coating: &Coating) {
-        match coating {
-            Coating::Plain(_) => {}
-            Coating::ByFace(_) => self.text("faces"),
-            Coating::ByVertex(materials) => self.vertices(materials.vertices()),
-            Coating::ByShape(all) => {
+    fn binding(&mut self, binding: &MaterialBinding) {
+        match binding {
+            MaterialBinding::Plain(_) => {}
+            MaterialBinding::ByFace(_) => self.text("faces"),
+            MaterialBinding::ByVertex(materials) => self.vertices(materials.vertices()),
+            MaterialBinding::ByShape(all) => {
                 self.text("shapes");
-                return all.coatings().iter().for_each(|one| self.coating(one));
+                return all.bindings().iter().for_each(|one| self.binding(one));
             }
         }
-        coating.all().for_each(|material| self.material(material));
+        binding.all().for_each(|material| self.material(material));
     }
 
     fn vertices(&mut self, vertices: &VertexColors) {

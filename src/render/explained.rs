@@ -14,7 +14,7 @@ use crate::{
     integrator::explain::{TracedRay, explain},
     render::{
         hits::{Hits, Rays},
-        ink::Ink,
+        outlines::OutlineMask,
     },
     tracer::{
         camera::Camera, color::Color, hit::Hit, radiance::Radiance, ray::Ray, tone::Tone,
@@ -60,10 +60,10 @@ pub struct ExplainedSample {
     pub hit: Option<usize>,
     /// The steps of the light of the ray, in a lit world.
     pub steps: Option<TracedRay>,
-    /// The neighbor that inks the sample: its distance in samples, to the right and upwards, and
+    /// The neighbor that outlines the sample: its distance in samples, to the right and upwards, and
     /// the geometry that it sees.
-    pub inked_by: Option<([i64; 2], Option<usize>)>,
-    /// What the surface or the background sends by itself; the color of the line if it is inked.
+    pub outlined_by: Option<([i64; 2], Option<usize>)>,
+    /// What the surface or the background sends by itself; the color of the line if it is outlined.
     pub direct: Radiance,
     /// What the surface reflects and lets through.
     pub specular: Radiance,
@@ -77,7 +77,7 @@ impl View<'_> {
     /// Outlines that are too wide for a picture.
     pub(crate) fn explain(&self, column: u32, row: u32) -> Result<ExplainedPixel, Error> {
         if let Some(outlines) = &self.outlines {
-            Ink::check(outlines, self.samples)?;
+            OutlineMask::check(outlines, self.samples)?;
         }
         let side = self.samples.side();
         let margin = self.outlines.map_or(0, |outlines| outlines.margin());
@@ -103,14 +103,14 @@ impl View<'_> {
                 hits.t.push(hit.map_or(f64::INFINITY, |(_, hit)| hit.t));
             }
         }
-        let ink = self
+        let mask = self
             .outlines
-            .map(|outlines| Ink::new(outlines, self.world, &hits, &rays, side));
+            .map(|outlines| OutlineMask::new(outlines, self.world, &hits, &rays, side));
         let of_pixel = |at: u32| -> Range<u32> { at * side..(at + 1) * side };
         let places =
             of_pixel(row).flat_map(|row| of_pixel(column).map(move |column| (column, row)));
         let samples: Vec<_> = places
-            .map(|place| self.sample(&hits, &rays, ink.as_ref(), place))
+            .map(|place| self.sample(&hits, &rays, mask.as_ref(), place))
             .collect();
         let from_bottom = || samples.chunks(side as usize).rev().flatten();
         let mean = |part: fn(&ExplainedSample) -> Radiance| {
@@ -138,7 +138,7 @@ impl View<'_> {
         &self,
         hits: &Hits,
         rays: &Rays,
-        ink: Option<&Ink>,
+        mask: Option<&OutlineMask>,
         (column, row): (u32, u32),
     ) -> ExplainedSample {
         let index = |id: u32| (id != NOTHING).then_some(id as usize);
@@ -148,12 +148,12 @@ impl View<'_> {
         );
         let hit = index(hits.ids[hits.place(column, row)]);
         let steps = explain(self.world, &ray);
-        let inked_by = ink.and_then(|ink| {
-            let ([x, y], id) = ink.inked_by(column, row)?;
-            Some((ink.color(), ([x, -y], index(id))))
+        let outlined_by = mask.and_then(|mask| {
+            let ([x, y], id) = mask.outlined_by(column, row)?;
+            Some((mask.color(), ([x, -y], index(id))))
         });
         let flat = || self.world.color_of(&ray).to_linear();
-        let (direct, specular) = match (&inked_by, &steps) {
+        let (direct, specular) = match (&outlined_by, &steps) {
             (Some((color, _)), _) => (*color, Radiance::BLACK),
             (None, Some(steps)) => (steps.direct, steps.specular),
             (None, None) => (flat(), Radiance::BLACK),
@@ -162,7 +162,7 @@ impl View<'_> {
             ray,
             hit,
             steps,
-            inked_by: inked_by.map(|(_, by)| by),
+            outlined_by: outlined_by.map(|(_, by)| by),
             direct,
             specular,
         }

@@ -2,9 +2,9 @@
 
 pub(crate) mod explained;
 mod hits;
-mod ink;
 pub(crate) mod layers;
 mod legend;
+mod outlines;
 pub(crate) mod ray_tracer;
 pub(crate) mod shading;
 #[cfg(test)]

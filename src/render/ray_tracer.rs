@@ -111,7 +111,8 @@ impl<'a> RayTracer<'a> {
         match wanted {
             Wanted::Hits => false,
             Wanted::Bytes(_) | Wanted::Light => {
-                let is_flat = self.world.lighting().is_none() && !self.world.is_motley();
+                let is_flat =
+                    self.world.lighting().is_none() && !self.world.has_varying_materials();
                 !is_flat || self.outlines.is_some()
             }
             Wanted::Parts => true,

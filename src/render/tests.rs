@@ -244,8 +244,8 @@ impl Case {
         [self.size.width(), self.size.height()].map(|side| side * self.samples.side())
     }
 
-    /// Returns true if a sample is inked, by comparing it with all others.
-    fn is_inked(&self, column: u32, row: u32) -> bool {
+    /// Returns true if a sample is outlined, by comparing it with all others.
+    fn is_outlined(&self, column: u32, row: u32) -> bool {
         let Some(outlines) = self.outlines else {
             return false;
         };
@@ -331,7 +331,7 @@ impl Case {
                     hits += 1.0;
                     sum.albedo = sum.albedo + hit.color().to_linear();
                 }
-                let light = match (self.is_inked(column, row), self.world.lighting()) {
+                let light = match (self.is_outlined(column, row), self.world.lighting()) {
                     (true, _) => Shaded::direct(self.outlines.unwrap().color.to_linear()),
                     (false, None) => Shaded::direct(self.world.color_of(&ray).to_linear()),
                     (false, Some(lighting)) => {

@@ -11,7 +11,7 @@ use crate::{
         part::{PartPlace, Places},
     },
     tracer::{
-        color::Color, colormap::scale::ColorScale, material::coating::VertexColors, world::World,
+        color::Color, colormap::scale::ColorScale, material::binding::VertexColors, world::World,
     },
 };
 
@@ -121,13 +121,15 @@ impl Scales {
             let values = of(placed.origin.clone(), part, colors, &placed.scale.about);
             (placed.first, values)
         });
-        let geometries = world.is_motley().then(|| world.geometries().iter());
+        let geometries = world
+            .has_varying_materials()
+            .then(|| world.geometries().iter());
         let meshes = geometries.into_iter().flatten().enumerate();
         let meshes = meshes.filter_map(|(index, geometry)| {
             let index = world.id_of(index, 0);
-            let (_, coating) = geometry.parts();
+            let (_, binding) = geometry.parts();
             // Copies have the colors of a mesh that is there as well.
-            let vertices = coating
+            let vertices = binding
                 .vertices()
                 .filter(|_| geometry.shape().copies().is_none());
             let Some(VertexColors::Values(values, colors)) = vertices else {

@@ -8,7 +8,7 @@ use crate::tracer::{
     hit::Hit,
     material::{
         Material,
-        coating::{Coating, VertexColors},
+        binding::{MaterialBinding, VertexColors},
     },
     radiance::Radiance,
     ray::Ray,
@@ -38,7 +38,7 @@ use crate::tracer::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     shape: Shape,
-    coating: Coating,
+    binding: MaterialBinding,
 }
 
 impl Geometry {
@@ -46,7 +46,7 @@ impl Geometry {
     pub fn new(shape: impl Into<Shape>, material: impl Into<Material>) -> Self {
         Self {
             shape: shape.into(),
-            coating: Coating::Plain(material.into()),
+            binding: MaterialBinding::Plain(material.into()),
         }
     }
 
@@ -69,7 +69,7 @@ impl Geometry {
     pub fn by_face(self, materials: impl IntoIterator<Item: Into<Material>>) -> Self {
         let others = self.material().clone();
         Self {
-            coating: Coating::by_face(materials.into_iter().map(Into::into), others),
+            binding: MaterialBinding::by_face(materials.into_iter().map(Into::into), others),
             ..self
         }
     }
@@ -78,7 +78,7 @@ impl Geometry {
     #[must_use]
     pub(crate) fn by_vertex(self, vertices: VertexColors) -> Self {
         Self {
-            coating: Coating::by_vertex(self.material(), vertices),
+            binding: MaterialBinding::by_vertex(self.material(), vertices),
             ..self
         }
     }
@@ -103,12 +103,12 @@ impl Geometry {
         rows: Arc<Vec<Rows>>,
     ) -> Result<Self, GeometryError> {
         let all = geometries.into_iter();
-        let (shapes, coatings): (Vec<_>, Vec<_>) = all
-            .map(|one| (one.shape.clone(), one.coating.clone()))
+        let (shapes, bindings): (Vec<_>, Vec<_>) = all
+            .map(|one| (one.shape.clone(), one.binding.clone()))
             .unzip();
         Ok(Self {
             shape: Instances::of_rows(shapes, rows)?.into(),
-            coating: Coating::by_shape(coatings.into()),
+            binding: MaterialBinding::by_shape(bindings.into()),
         })
     }
 
@@ -118,16 +118,16 @@ impl Geometry {
         self.shape.copies().map_or(1, |copies| copies.len())
     }
 
-    /// Returns the shape and the coating at a face, and the number of the face there: in a copy those
+    /// Returns the shape and the binding at a face, and the number of the face there: in a copy those
     /// of the prototype.
-    pub(crate) fn surface(&self, face: u64) -> (&Shape, &Coating, u64) {
-        let (mut shape, mut coating, mut face) = (&self.shape, &self.coating, face);
+    pub(crate) fn surface(&self, face: u64) -> (&Shape, &MaterialBinding, u64) {
+        let (mut shape, mut binding, mut face) = (&self.shape, &self.binding, face);
         // What a part holds may be copies itself.
         while let Some(found) = shape.copies().and_then(|copies| copies.part_of(face)) {
             let (index, inner, number) = found;
-            (shape, coating, face) = (inner, coating.of_shape(index), number);
+            (shape, binding, face) = (inner, binding.of_shape(index), number);
         }
-        (shape, coating, face)
+        (shape, binding, face)
     }
 
     /// Returns the geometry with another shape in place of its own.
@@ -146,9 +146,9 @@ impl Geometry {
     }
 
     /// Returns every field, for callers that must not miss one.
-    pub(crate) const fn parts(&self) -> (&Shape, &Coating) {
-        let Self { shape, coating } = self;
-        (shape, coating)
+    pub(crate) const fn parts(&self) -> (&Shape, &MaterialBinding) {
+        let Self { shape, binding } = self;
+        (shape, binding)
     }
 
     /// The shape.
@@ -160,7 +160,7 @@ impl Geometry {
     /// determine its first color, it has that of the first vertex.
     #[inline]
     pub fn material(&self) -> &Material {
-        self.coating.main()
+        self.binding.main()
     }
 
     /// The first color of the material, which the geometry shows in a scene without lights.
@@ -171,20 +171,20 @@ impl Geometry {
 
     /// All materials; some may be equal.
     pub fn materials(&self) -> impl Iterator<Item = &Material> {
-        self.coating.all()
+        self.binding.all()
     }
 
     /// The material, if it is the same everywhere.
     #[inline]
     pub(crate) const fn only_material(&self) -> Option<&Material> {
-        self.coating.plain()
+        self.binding.plain()
     }
 
     /// Returns true if some of it is glass, so that its shadow may not be black.
     #[inline]
     pub(crate) fn has_glass(&self) -> bool {
         let is_glass = |material: &Material| material.glass().is_some();
-        match self.coating.plain() {
+        match self.binding.plain() {
             Some(material) => is_glass(material),
             None => self.materials().any(is_glass),
         }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     geometry::Geometry,
-    material::{Interpolation, Material, coating::Coating},
+    material::{Interpolation, Material, binding::MaterialBinding},
     ray::Ray,
     shape::{face::Crossing, mesh::MeshGroup},
 };
@@ -39,12 +39,12 @@ impl<'a> Hit<'a> {
     /// Returns the material of the geometry at the point.
     #[inline]
     pub fn material(&self) -> Cow<'a, Material> {
-        let (_, coating, face) = self.geometry.surface(self.face);
-        match coating {
-            Coating::Plain(material) => Cow::Borrowed(material),
-            Coating::ByFace(materials) => Cow::Borrowed(materials.of(face)),
-            Coating::ByShape(_) => Cow::Borrowed(coating.main()),
-            Coating::ByVertex(materials) => {
+        let (_, binding, face) = self.geometry.surface(self.face);
+        match binding {
+            MaterialBinding::Plain(material) => Cow::Borrowed(material),
+            MaterialBinding::ByFace(materials) => Cow::Borrowed(materials.of(face)),
+            MaterialBinding::ByShape(_) => Cow::Borrowed(binding.main()),
+            MaterialBinding::ByVertex(materials) => {
                 let color = materials.of_triangle(face).or_else(|| {
                     let interpolation = self.interpolation()?;
                     Some(interpolation.color())
@@ -57,8 +57,8 @@ impl<'a> Hit<'a> {
     /// Returns how the first color of the material follows from what the corners of the triangle have
     /// that was hit, if the vertices of the mesh determine it.
     pub fn interpolation(&self) -> Option<Interpolation<'a>> {
-        let (shape, coating, face) = self.geometry.surface(self.face);
-        let Coating::ByVertex(materials) = coating else {
+        let (shape, binding, face) = self.geometry.surface(self.face);
+        let MaterialBinding::ByVertex(materials) = binding else {
             return None;
         };
         let corners = shape.mesh()?.triangles().get(face as usize)?;
@@ -92,8 +92,10 @@ impl<'a> Hit<'a> {
         normal: DVec3,
     ) -> Self {
         let weights = match geometry.surface(face).1 {
-            Coating::Plain(_) | Coating::ByFace(_) | Coating::ByShape(_) => None,
-            Coating::ByVertex(_) => geometry.shape().weights_at(ray, face),
+            MaterialBinding::Plain(_)
+            | MaterialBinding::ByFace(_)
+            | MaterialBinding::ByShape(_) => None,
+            MaterialBinding::ByVertex(_) => geometry.shape().weights_at(ray, face),
         };
         Self {
             t,

@@ -41,7 +41,7 @@ pub struct World {
     background: Color,
     lighting: Option<Lighting>,
     /// The number of geometries whose material depends on the point.
-    motley: usize,
+    varying: usize,
     /// The lists of copies, in their order.
     lists: Vec<List>,
 }
@@ -87,7 +87,7 @@ impl World {
             ..Self::default()
         };
         for (index, geometry) in geometries.iter().enumerate() {
-            world.motley += usize::from(is_motley(geometry));
+            world.varying += usize::from(has_varying_materials(geometry));
             world.note(index, geometry);
         }
         world.geometries = geometries;
@@ -116,7 +116,7 @@ impl World {
 
     /// Appends a geometry.
     pub fn push(&mut self, geometry: Geometry) {
-        self.motley += usize::from(is_motley(&geometry));
+        self.varying += usize::from(has_varying_materials(&geometry));
         self.note(self.geometries.len(), &geometry);
         self.geometries.push(geometry);
     }
@@ -124,8 +124,8 @@ impl World {
     /// Replaces geometries by as many others; copies by copies.
     pub(crate) fn replace(&mut self, first: usize, by: Vec<Geometry>) {
         for (place, geometry) in self.geometries.iter_mut().skip(first).zip(by) {
-            self.motley += usize::from(is_motley(&geometry));
-            self.motley -= usize::from(is_motley(place));
+            self.varying += usize::from(has_varying_materials(&geometry));
+            self.varying -= usize::from(has_varying_materials(place));
             *place = geometry;
         }
         let geometries = mem::take(&mut self.geometries);
@@ -205,7 +205,7 @@ impl World {
             geometries,
             background,
             lighting,
-            motley: _,
+            varying: _,
             lists: _,
         } = self;
         (geometries, *background, lighting.as_ref())
@@ -243,8 +243,8 @@ impl World {
 
     /// Returns true if the material of some geometry depends on the point, so that even a flat
     /// picture is shaded sample by sample.
-    pub(crate) const fn is_motley(&self) -> bool {
-        self.motley > 0
+    pub(crate) const fn has_varying_materials(&self) -> bool {
+        self.varying > 0
     }
 
     /// Returns the nearest hit in front of the ray's origin, with the index of the geometry: the
@@ -343,7 +343,7 @@ impl World {
     }
 }
 
-fn is_motley(geometry: &Geometry) -> bool {
+fn has_varying_materials(geometry: &Geometry) -> bool {
     geometry.only_material().is_none()
 }
 

@@ -163,7 +163,7 @@ impl<'a> SampleTerms<'a> {
 
     fn new(scene: &'a Scene, sample: ExplainedSample) -> Self {
         let origin = |id| OriginTerms::new(scene, id);
-        let inked_by = sample.inked_by.map(|([right, up], hit)| NeighborTerms {
+        let inked_by = sample.outlined_by.map(|([right, up], hit)| NeighborTerms {
             right,
             up,
             hit: hit.map(origin),

@@ -23,7 +23,7 @@ use crate::{
     integrator::direct::Queries,
     render::{
         hits::{Hits, Rays},
-        ink::Ink,
+        outlines::OutlineMask,
     },
     simd::Isa,
     tracer::{camera::Camera, world::World},
@@ -66,7 +66,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
     /// Shades a part of the picture and passes it on in bands, from the top.
     pub(crate) fn draw(&self, crop: Crop, work: Work, take: Take) -> Result<(), Error> {
         if let Some(outlines) = &self.outlines {
-            Ink::check(outlines, self.samples)?;
+            OutlineMask::check(outlines, self.samples)?;
         }
         let lighting = self.world.lighting();
         let lights = lighting.map_or(&[][..], |lighting| &lighting.lights);
@@ -168,7 +168,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         if let Some(outlines) = &self.outlines {
             // Wide lines of many samples depend on very many others.
             let samples = fine.0.len() as u64 * fine.1.len() as u64;
-            let bytes = Ink::bytes(outlines, samples, self.samples.side());
+            let bytes = OutlineMask::bytes(outlines, samples, self.samples.side());
             check_memory(self.size, bytes)?;
         }
         let hits = Hits::new(state.search, slab, fine, work, memory())?;
@@ -180,9 +180,9 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             })
             .transpose()?;
         let rays = Rays::new(self.camera, self.size, self.samples, &hits);
-        let ink = self.outlines.map(|outlines| {
+        let mask = self.outlines.map(|outlines| {
             work.watch
-                .time(|| Ink::new(outlines, self.world, &hits, &rays, self.samples.side()))
+                .time(|| OutlineMask::new(outlines, self.world, &hits, &rays, self.samples.side()))
         });
         let (eye, distance) = rays.reach(&hits, self.isa);
         let mut shadows = state.shadows.iter().flatten();
@@ -193,7 +193,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             shading: self,
             state,
             rays: &rays,
-            ink,
+            mask,
             centers: centers.as_ref().unwrap_or(&hits),
             hits: &hits,
             columns: &columns,

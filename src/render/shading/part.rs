@@ -15,7 +15,7 @@ use crate::{
     },
     render::{
         hits::{Hits, Rays},
-        ink::Ink,
+        outlines::OutlineMask,
     },
     tracer::{color::Color, radiance::Radiance, ray::Ray, tone::Tone},
 };
@@ -26,7 +26,7 @@ pub(super) struct Part<'a, Q> {
     pub(super) state: &'a State<'a>,
     pub(super) hits: &'a Hits,
     pub(super) rays: &'a Rays<'a>,
-    pub(super) ink: Option<Ink<'a>>,
+    pub(super) mask: Option<OutlineMask<'a>>,
     /// The hits of the rays through the centers of pixels.
     pub(super) centers: &'a Hits,
     pub(super) columns: &'a Range<u32>,
@@ -291,14 +291,14 @@ impl<Q: Queries + Sync> Part<'_, Q> {
                 samples.set(place, Shaded::direct(color.to_linear()));
             }
         }
-        if let Some(ink) = &self.ink {
+        if let Some(mask) = &self.mask {
             for (place, column) in columns.enumerate() {
                 // A sample with very many neighbors takes long; the piece is then dropped.
                 if self.work.cancel.is_cancelled() {
                     return;
                 }
-                if ink.covers(column, row) {
-                    samples.set(place, Shaded::direct(ink.color()));
+                if mask.covers(column, row) {
+                    samples.set(place, Shaded::direct(mask.color()));
                 }
             }
         }

@@ -18,7 +18,7 @@ use crate::{
         validate::{Found, camera::Eye},
     },
     text::nearest::quote,
-    tracer::shape::Standing,
+    tracer::shape::Membership,
 };
 
 impl Eye<'_> {
@@ -41,10 +41,10 @@ impl Found {
         model: &Model,
         surroundings: &mut Surroundings,
     ) {
-        let standing = leaf.standing(eye.point);
+        let membership = leaf.membership(eye.point);
         // Almost all of a million.
-        if !matches!(standing, Some(Standing::Free)) {
-            self.blocked(eye, (leaf, standing), tables, model, surroundings);
+        if !matches!(membership, Some(Membership::Outside)) {
+            self.blocked(eye, (leaf, membership), tables, model, surroundings);
         }
     }
 
@@ -53,7 +53,7 @@ impl Found {
     fn blocked(
         &mut self,
         eye: &Eye,
-        (leaf, standing): (&Leaf, Option<Standing>),
+        (leaf, membership): (&Leaf, Option<Membership>),
         tables: &Tables,
         model: &Model,
         surroundings: &mut Surroundings,
@@ -64,16 +64,16 @@ impl Found {
         let is_lit = self.is_lit;
         let is_clear = || is_lit && is_glass(leaf.geometry, model);
         let place = || model.path_of(leaf.at);
-        match standing {
-            Some(Standing::Free) => {}
-            Some(Standing::Inside(center, radius)) => {
+        match membership {
+            Some(Membership::Outside) => {}
+            Some(Membership::Inside(center, radius)) => {
                 let is_blocked = hides(center, radius) && !is_clear();
                 if let Some(shape) = leaf.shape().filter(|_| is_blocked) {
                     let what = format!("this {}", shape.kind());
                     self.eye_inside(eye, place(), &what, shape.kind());
                 }
             }
-            Some(Standing::EdgeOn(what)) => self.eye_on_plane(eye, place(), what),
+            Some(Membership::EdgeOn(what)) => self.eye_on_plane(eye, place(), what),
             None => {
                 if let Some(part) = tables.part(leaf.at) {
                     self.eye_and_part(eye, part, &place(), &mut hides);
@@ -81,7 +81,7 @@ impl Found {
                 let copies = tables.instances(leaf.at);
                 if let Some(Ok(copies)) = copies.and_then(|all| all.placed(&leaf.placement))
                     && !(is_lit && copies.has_glass())
-                    && let Standing::Inside(center, radius) = copies.shape().standing(eye.point)
+                    && let Membership::Inside(center, radius) = copies.shape().membership(eye.point)
                     && hides(center, radius)
                 {
                     self.eye_inside(eye, place(), "one of these copies", "copy");
@@ -94,7 +94,7 @@ impl Found {
                 let has_one = |row: Row| {
                     let shape = row.shape.and_then(|shape| leaf.placement.place(shape));
                     let Ok(shape) = shape else { return false };
-                    if let Standing::Inside(center, radius) = shape.standing(eye.point)
+                    if let Membership::Inside(center, radius) = shape.membership(eye.point)
                         && hides(center, radius)
                     {
                         first = Some((row.index, shape.kind()));
@@ -125,12 +125,12 @@ impl Found {
         let (mut inside, mut edge_on) = (None, None);
         for geometry in &part.geometries {
             let is_clear = self.is_lit && geometry.has_glass();
-            match geometry.shape().standing(eye.point) {
-                Standing::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
+            match geometry.shape().membership(eye.point) {
+                Membership::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
                     inside = (!is_clear).then(|| geometry.shape().kind_of_one());
                 }
-                Standing::EdgeOn(what) => edge_on = edge_on.or(Some(what)),
-                Standing::Inside(..) | Standing::Free => {}
+                Membership::EdgeOn(what) => edge_on = edge_on.or(Some(what)),
+                Membership::Inside(..) | Membership::Outside => {}
             }
         }
         if let Some(kind) = inside {

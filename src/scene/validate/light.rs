@@ -21,7 +21,7 @@ use crate::{
     tracer::{
         geometry::Geometry,
         light::{Falloff, Light, Source},
-        shape::{Extent, Shape, Standing},
+        shape::{Extent, Membership, Shape},
     },
 };
 
@@ -202,7 +202,7 @@ impl Found {
         eyes: &[Eye],
     ) {
         let keeps_it_in = |shape: &Shape| {
-            let is_inside = |point| matches!(shape.standing(point), Standing::Inside(..));
+            let is_inside = |point| matches!(shape.membership(point), Membership::Inside(..));
             is_inside(position) && !eyes.iter().any(|eye| is_inside(eye.point))
         };
         let materials = model.materials.as_ref();

@@ -3,7 +3,7 @@
 //! Everything that the rest of the crate needs from a material is a method here, implemented in the
 //! file of the material. What it does with light are its [lobes](lobes::Lobes).
 
-pub(crate) mod coating;
+pub(crate) mod binding;
 pub(crate) mod emissive;
 mod flat;
 pub(crate) mod glass;
@@ -14,7 +14,7 @@ pub(crate) mod parameters;
 pub(crate) mod phong;
 
 pub use self::{
-    coating::{Corners, Interpolation},
+    binding::{Corners, Interpolation},
     emissive::Emissive,
     glass::Glass,
     phong::Phong,

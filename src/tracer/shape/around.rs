@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     ray::Ray,
-    shape::{Extent, Shape, Standing},
+    shape::{Extent, Membership, Shape},
     transform::Transform,
 };
 
@@ -187,8 +187,8 @@ impl Around {
     }
 
     /// Returns the position of an eye inside a solid that fills the ball.
-    pub(crate) const fn inside(&self) -> Standing {
-        Standing::Inside(self.center, self.radius)
+    pub(crate) const fn inside(&self) -> Membership {
+        Membership::Inside(self.center, self.radius)
     }
 
     /// Returns the box and the ball, a little smaller.
@@ -240,8 +240,8 @@ fn triangle_holds_by_roots(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
     Around::points(&corners).holds(ray, t)
 }
 
-/// A box and a ball a little smaller than those of an [`Around`], relative to its center: a point that
-/// they hold is surely held.
+/// A box and a ball a little smaller than those of an [`Around`], relative to its center: a point inside
+/// both is surely inside the original.
 pub(crate) struct Near {
     pub(crate) center: DVec3,
     pub(crate) low: DVec3,

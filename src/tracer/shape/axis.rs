@@ -143,7 +143,7 @@ impl Axis {
     }
 }
 
-/// Returns a vector at unit length, or the way back along the ray if it has no direction.
+/// Returns a vector at unit length, or the direction back along the ray if it has no direction.
 pub(crate) fn outward(vector: DVec3, ray: &Ray) -> DVec3 {
     if is_direction(vector) {
         unit(vector)

@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         around::Around,
         axis::{Axis, outward},
         face::{Crossings, Faces, Leaving},
@@ -208,12 +208,12 @@ impl Capsule {
             }
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         match self.extent() {
             Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
-                Standing::Inside(center, radius)
+                Membership::Inside(center, radius)
             }
-            _ => Standing::Free,
+            _ => Membership::Outside,
         }
     }
 }

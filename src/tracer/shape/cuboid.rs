@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         around::Around,
         face::{Crossings, Faces, Leaving},
         plane::Plane,
@@ -168,12 +168,12 @@ impl Cuboid {
         depths.min_element()
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         match self.extent() {
             Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
-                Standing::Inside(center, radius)
+                Membership::Inside(center, radius)
             }
-            _ => Standing::Free,
+            _ => Membership::Outside,
         }
     }
 }

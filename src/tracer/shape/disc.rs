@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         face::{Crossings, Faces, Leaving, in_front},
         plane::Plane,
         working::{Term, Working},
@@ -158,10 +158,10 @@ impl Disc {
         (beside * beside + above * above).sqrt()
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        match self.plane.standing(eye) {
-            Standing::EdgeOn(_) => Standing::EdgeOn("the plane of this disc"),
-            standing => standing,
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
+        match self.plane.membership(eye) {
+            Membership::EdgeOn(_) => Membership::EdgeOn("the plane of this disc"),
+            membership => membership,
         }
     }
 }
@@ -233,9 +233,12 @@ mod tests {
 
     #[test]
     fn an_eye_on_its_plane_does_not_see_it() {
-        let standing = |y| disc().standing(DVec3::new(9.0, y, 0.0));
-        assert_eq!(standing(0.0), Standing::Free);
-        assert_eq!(standing(-1.0), Standing::EdgeOn("the plane of this disc"));
+        let membership = |y| disc().membership(DVec3::new(9.0, y, 0.0));
+        assert_eq!(membership(0.0), Membership::Outside);
+        assert_eq!(
+            membership(-1.0),
+            Membership::EdgeOn("the plane of this disc")
+        );
     }
 
     #[test]

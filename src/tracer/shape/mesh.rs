@@ -8,7 +8,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::{BUNDLE, Bundle, Ray},
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         around::{Around, farthest, triangle_holds},
         face::{Crossing, Faces, Leaving, in_front},
         indexed::Indexed,
@@ -69,7 +69,7 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
 }
 
-/// The way of a ray through a mesh.
+/// The traversal of a mesh by a ray.
 #[derive(Debug)]
 pub(crate) struct Passage<'a> {
     mesh: &'a Mesh,
@@ -369,8 +369,8 @@ impl Mesh {
         farthest(&self.vertices, point)
     }
 
-    pub(crate) const fn standing(&self, _: DVec3) -> Standing {
-        Standing::Free
+    pub(crate) const fn membership(&self, _: DVec3) -> Membership {
+        Membership::Outside
     }
 }
 
@@ -445,7 +445,7 @@ impl Passage<'_> {
     }
 
     /// Returns the first crossing by testing all triangles: the definition.
-    // Not inlined: the fast way is short.
+    // Not inlined: the fast path is short.
     #[inline(never)]
     pub(crate) fn first_of_all(&self, t_max: f64) -> Option<Crossing> {
         let sheared = self.sheared();

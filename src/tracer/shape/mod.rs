@@ -63,11 +63,11 @@ use crate::tracer::{
 
 /// Defines the enum of all shapes and the methods that each shape implements in its own file.
 macro_rules! shapes {
-    ($($(#[$doc:meta])* $shape:ident($held:ty) $(= $name:literal)?,)*) => {
+    ($($(#[$doc:meta])* $shape:ident($content:ty) $(= $name:literal)?,)*) => {
         /// A surface without a color.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Shape {
-            $($(#[$doc])* $shape($held)),*
+            $($(#[$doc])* $shape($content)),*
         }
 
         impl Shape {
@@ -191,9 +191,9 @@ macro_rules! shapes {
 
             /// Returns the position of an eye relative to the shape.
             #[inline(always)]
-            pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+            pub(crate) fn membership(&self, eye: DVec3) -> Membership {
                 match self {
-                    $(Self::$shape(shape) => shape.standing(eye)),*
+                    $(Self::$shape(shape) => shape.membership(eye)),*
                 }
             }
         }
@@ -246,11 +246,12 @@ pub(crate) enum Extent<'a> {
     Plane(&'a Plane),
 }
 
-/// The position of an eye relative to a shape.
+/// The position of an eye relative to a shape (point membership classification: R. Tilove, Set
+/// membership classification, 1980).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Standing {
-    /// The shape can be seen normally.
-    Free,
+pub(crate) enum Membership {
+    /// The eye is outside and sees the shape.
+    Outside,
     /// The shape is closed and the eye is inside it. Holds the center and radius of the ball that
     /// it fills.
     Inside(DVec3, f64),

@@ -8,7 +8,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::{BUNDLE, Bundle, Ray},
     shape::{
-        Extent, Shape, Standing,
+        Extent, Membership, Shape,
         around::Around,
         axis::outward,
         face::{Crossing, Leaving},
@@ -171,13 +171,13 @@ impl Placed {
         around.map_or(f64::INFINITY, |around| around.farthest_from(point))
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         match (
-            self.shape.standing(self.transform.point_back(eye)),
+            self.shape.membership(self.transform.point_back(eye)),
             &self.around,
         ) {
-            (Standing::Inside(..), Some(around)) => around.inside(),
-            (standing, _) => standing,
+            (Membership::Inside(..), Some(around)) => around.inside(),
+            (membership, _) => membership,
         }
     }
 }
@@ -351,7 +351,7 @@ mod tests {
         );
         assert_eq!(shape.support(DVec3::X), Some(DVec3::new(4.0, 0.0, -8.0)));
         let eye = DVec3::new(3.5, 0.0, -8.0);
-        assert!(matches!(shape.standing(eye), Standing::Inside(..)));
+        assert!(matches!(shape.membership(eye), Membership::Inside(..)));
         assert_eq!((shape.kind(), shape.has_faces()), ("sphere", false));
         // What is read out begins with the ray that is mapped back.
         let working = shape.working(&ray);

@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         face::{Crossing, Crossings, Faces, Leaving, in_front},
         span::Span,
         working::{Term, Working},
@@ -171,11 +171,11 @@ impl Plane {
         (self.point - point).dot(self.normal)
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         if (self.point - eye).dot(self.normal) == 0.0 {
-            Standing::EdgeOn("this plane")
+            Membership::EdgeOn("this plane")
         } else {
-            Standing::Free
+            Membership::Outside
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         around::{Around, farthest},
         face::{Crossings, Faces, Leaving},
         plane::Plane,
@@ -160,10 +160,10 @@ impl Rectangle {
         farthest(&self.corners, point)
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
-        match self.plane.standing(eye) {
-            Standing::EdgeOn(_) => Standing::EdgeOn("the plane of this rectangle"),
-            standing => standing,
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
+        match self.plane.membership(eye) {
+            Membership::EdgeOn(_) => Membership::EdgeOn("the plane of this rectangle"),
+            membership => membership,
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Extent, Membership,
         face::{Crossing, Crossings, Faces, Leaving, in_front},
         plane::Plane,
         span::Span,
@@ -207,11 +207,11 @@ impl Sphere {
     }
 
     #[inline]
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         if self.depth(eye) > 0.0 {
-            Standing::Inside(self.center, self.radius)
+            Membership::Inside(self.center, self.radius)
         } else {
-            Standing::Free
+            Membership::Outside
         }
     }
 }

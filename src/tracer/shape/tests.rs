@@ -6,7 +6,7 @@ use crate::tracer::{
     random::{Rng, cases},
     ray::{BUNDLE, Bundle, Ray},
     shape::{
-        Extent, Shape, Standing,
+        Extent, Membership, Shape,
         any::any,
         capsule::Capsule,
         cone::Cone,
@@ -252,10 +252,10 @@ fn solids_are_met_where_they_should_be() {
     for solid in solids() {
         let inside = DVec3::Y * 0.25;
         assert!(
-            matches!(solid.standing(inside), Standing::Inside(..)),
+            matches!(solid.membership(inside), Membership::Inside(..)),
             "{solid:?}"
         );
-        assert_eq!(solid.standing(DVec3::Y * 4.0), Standing::Free);
+        assert_eq!(solid.membership(DVec3::Y * 4.0), Membership::Outside);
     }
 }
 
@@ -269,11 +269,15 @@ fn a_point_on_the_surface_is_not_inside() {
         let union = Solid::new(Operation::Union, [shape.clone()]).unwrap();
         let cut = Solid::new(Operation::Difference, [block.into(), shape.clone()]).unwrap();
         for shape in [shape, union.into(), cut.into()] {
-            assert_eq!(shape.standing(from), Standing::Free, "{shape:?}");
-            assert_eq!(shape.standing(to), Standing::Free, "{shape:?}");
-            let is_cut = shape.standing(to * 0.5) == Standing::Free;
-            let beyond = shape.standing(to * 1.001);
-            assert_eq!(matches!(beyond, Standing::Inside(..)), is_cut, "{shape:?}");
+            assert_eq!(shape.membership(from), Membership::Outside, "{shape:?}");
+            assert_eq!(shape.membership(to), Membership::Outside, "{shape:?}");
+            let is_cut = shape.membership(to * 0.5) == Membership::Outside;
+            let beyond = shape.membership(to * 1.001);
+            assert_eq!(
+                matches!(beyond, Membership::Inside(..)),
+                is_cut,
+                "{shape:?}"
+            );
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::{
     data::table::{kind::RowKind, layout::RADIUS},
     tracer::{
         random::{Rng, cases},
-        shape::{Shape, Standing, cylinder::Cylinder},
+        shape::{Membership, Shape, cylinder::Cylinder},
     },
 };
 
@@ -252,8 +252,8 @@ fn a_table_is_skipped_only_if_no_cylinder_encloses_the_point() {
             let Ok(cylinder) = Cylinder::new(from, to, radius, true) else {
                 continue;
             };
-            let standing = Shape::from(cylinder).standing(point);
-            encloses |= matches!(standing, Standing::Inside(..));
+            let membership = Shape::from(cylinder).membership(point);
+            encloses |= matches!(membership, Membership::Inside(..));
             let [from, to] = [from, to].map(|DVec3 { x, y, z }| format!("{x},{y},{z}"));
             let _ = writeln!(text, "{from},{to},{radius}");
         }

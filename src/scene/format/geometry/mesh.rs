@@ -19,7 +19,7 @@ use crate::{
         color::Color,
         error::GeometryError,
         geometry::Geometry,
-        material::{Material, coating::VertexColors},
+        material::{Material, binding::VertexColors},
         radiance::Radiance,
         shape::{Shape, mesh::Mesh},
         vector::is_direction,

@@ -60,7 +60,7 @@ use crate::{
     tracer::{
         error::GeometryError,
         geometry::Geometry,
-        shape::{Shape, Standing, solid::Operation},
+        shape::{Membership, Shape, solid::Operation},
     },
 };
 
@@ -186,18 +186,18 @@ impl GeometryModel {
 
     /// Returns the position of an eye relative to the shape; `None` where [`GeometryModel::shape`] is.
     #[inline(always)]
-    fn standing(&self, eye: DVec3) -> Option<Standing> {
+    fn membership(&self, eye: DVec3) -> Option<Membership> {
         match self {
             // It may be one of a million.
-            Self::Sphere(sphere) => Some(sphere.shape()?.ok()?.standing(eye)),
+            Self::Sphere(sphere) => Some(sphere.shape()?.ok()?.membership(eye)),
             _ => self.standing_of_another(eye),
         }
     }
 
     /// The same for a kind of which there are few.
     #[inline(never)]
-    fn standing_of_another(&self, eye: DVec3) -> Option<Standing> {
-        Some(self.any_shape()?.ok()?.standing(eye))
+    fn standing_of_another(&self, eye: DVec3) -> Option<Membership> {
+        Some(self.any_shape()?.ok()?.membership(eye))
     }
 
     /// Returns the faults between fields that are valid alone.

@@ -12,7 +12,7 @@ use crate::{
         scene::Model,
         transform::TransformModel,
     },
-    tracer::shape::{Shape, Standing},
+    tracer::shape::{Membership, Shape},
 };
 
 /// The number of a geometry in a scene. Ascending numbers are in the order of the file.
@@ -288,10 +288,10 @@ impl Leaf<'_> {
 
     /// Returns the position of an eye relative to the shape; `None` without one.
     #[inline]
-    pub(crate) fn standing(&self, eye: DVec3) -> Option<Standing> {
+    pub(crate) fn membership(&self, eye: DVec3) -> Option<Membership> {
         match self.placement.transform() {
-            Ok(None) => self.geometry.standing(eye),
-            _ => Some(self.shape()?.standing(eye)),
+            Ok(None) => self.geometry.membership(eye),
+            _ => Some(self.shape()?.membership(eye)),
         }
     }
 }

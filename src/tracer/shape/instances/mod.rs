@@ -12,7 +12,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Shape, Standing,
+        Extent, Membership, Shape,
         around::Around,
         axis::outward,
         face::{Crossing, Faces, Leaving},
@@ -384,20 +384,20 @@ impl Instances {
 
     /// Returns the first copy that the eye is inside of. That it lies in the plane of one hides no
     /// others.
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         let copies = 0..self.len();
         let mut all = copies.filter_map(|copy| {
             let transform = self.transform(copy)?;
             let inner = transform.point_back(eye);
             let is_near = self.inner.is_none_or(|around| around.boxes(inner));
             let mut shapes = self.shapes().filter(|_| is_near);
-            let around = shapes.find_map(|shape| match shape.standing(inner) {
-                Standing::Inside(..) => Some(Around::shape(shape)?.mapped(&transform)),
-                Standing::EdgeOn(_) | Standing::Free => None,
+            let around = shapes.find_map(|shape| match shape.membership(inner) {
+                Membership::Inside(..) => Some(Around::shape(shape)?.mapped(&transform)),
+                Membership::EdgeOn(_) | Membership::Outside => None,
             });
             Some(around??.inside())
         });
-        all.next().unwrap_or(Standing::Free)
+        all.next().unwrap_or(Membership::Outside)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The way of a ray through copies.
+//! The traversal of copies by a ray.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
 }
 
-/// The way of a ray through copies.
+/// The traversal of copies by a ray.
 pub(crate) struct Passage<'a> {
     instances: &'a Instances,
     ray: &'a Ray,

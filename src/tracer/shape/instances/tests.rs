@@ -8,7 +8,7 @@ use crate::tracer::{
     random::{Rng, cases},
     ray::Ray,
     shape::{
-        Shape, Standing,
+        Membership, Shape,
         any::copies,
         cuboid::Cuboid,
         disc::Disc,
@@ -102,10 +102,13 @@ fn faces_are_numbered_through() {
     );
     assert_eq!(shape.support(DVec3::X), Some(DVec3::new(5.0, 0.0, 0.0)));
     assert_eq!(
-        shape.standing(DVec3::new(4.2, 0.9, 0.0)).clone(),
-        shape.standing(DVec3::new(4.0, 0.9, 0.0))
+        shape.membership(DVec3::new(4.2, 0.9, 0.0)).clone(),
+        shape.membership(DVec3::new(4.0, 0.9, 0.0))
     );
-    assert_eq!(shape.standing(DVec3::new(2.0, 0.0, 0.0)), Standing::Free);
+    assert_eq!(
+        shape.membership(DVec3::new(2.0, 0.0, 0.0)),
+        Membership::Outside
+    );
 }
 
 // What a ray leaves is a surface of its copy, or of one in the same place, and of no other.

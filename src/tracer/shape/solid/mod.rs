@@ -20,7 +20,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Shape, Standing,
+        Extent, Membership, Shape,
         around::Around,
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
@@ -260,13 +260,13 @@ impl Solid {
         }
     }
 
-    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
         let is_inside = || self.root.depth(&self.parts, eye) > 0.0;
         match self.extent() {
             Extent::Ball(center, radius) if radius.is_finite() && is_inside() => {
-                Standing::Inside(center, radius)
+                Membership::Inside(center, radius)
             }
-            Extent::Ball(..) | Extent::Plane(_) => Standing::Free,
+            Extent::Ball(..) | Extent::Plane(_) => Membership::Outside,
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::tracer::{
     random::{Rng, cases},
     ray::Ray,
     shape::{
-        Shape, Standing,
+        Membership, Shape,
         any::{solid, unbounded},
         cuboid::Cuboid,
         cylinder::Cylinder,
@@ -116,10 +116,10 @@ fn a_plane_is_the_half_space_behind_it() {
     let plane: Shape = Plane::new(DVec3::ZERO, DVec3::X * 3.0).unwrap().into();
     let half = made(Operation::Intersection, &[ball(0.0, 1.0), plane.clone()]);
     assert_eq!(along_x(&half), [(8.0, 0), (9.0, 8)]);
-    assert_eq!(half.standing(DVec3::X * 0.5), Standing::Free);
+    assert_eq!(half.membership(DVec3::X * 0.5), Membership::Outside);
     assert!(matches!(
-        half.standing(DVec3::X * -0.5),
-        Standing::Inside(..)
+        half.membership(DVec3::X * -0.5),
+        Membership::Inside(..)
     ));
     let ground = made(Operation::Union, &[plane, ball(5.0, 1.0)]);
     assert_eq!(along_x(&ground), [(9.0, 0), (13.0, 8), (15.0, 8)]);

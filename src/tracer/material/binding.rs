@@ -9,22 +9,22 @@ use crate::tracer::{
 
 /// The materials of one geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Coating {
+pub(crate) enum MaterialBinding {
     /// The same everywhere.
     Plain(Material),
     /// One for each face.
     ByFace(Arc<ByFace>),
     /// One whose first color depends on the triangle of a mesh, or its vertices.
     ByVertex(Arc<ByVertex>),
-    /// One coating for each shape that copies are of.
+    /// One binding for each shape that copies are of.
     ByShape(Arc<ByShape>),
 }
 
-/// The coatings of the shapes that copies are of.
+/// The bindings of the shapes that copies are of.
 #[derive(Debug, PartialEq)]
 pub(crate) struct ByShape {
     /// In the order of the shapes.
-    coatings: Box<[Coating]>,
+    bindings: Box<[MaterialBinding]>,
     /// All materials of all of them.
     materials: Box<[Material]>,
 }
@@ -150,9 +150,9 @@ impl ByVertex {
 }
 
 impl ByShape {
-    /// The coatings, in the order of the shapes.
-    pub(crate) const fn coatings(&self) -> &[Coating] {
-        &self.coatings
+    /// The bindings, in the order of the shapes.
+    pub(crate) const fn bindings(&self) -> &[MaterialBinding] {
+        &self.bindings
     }
 }
 
@@ -164,8 +164,8 @@ impl ByFace {
     }
 }
 
-impl Coating {
-    /// Creates the coating of some faces in the order of their numbers, and that of all others.
+impl MaterialBinding {
+    /// Creates the binding of some faces in the order of their numbers, and that of all others.
     pub(crate) fn by_face(faces: impl IntoIterator<Item = Material>, others: Material) -> Self {
         let faces: Box<[_]> = faces.into_iter().collect();
         match faces.iter().all(|material| *material == others) {
@@ -174,16 +174,16 @@ impl Coating {
         }
     }
 
-    /// Creates the coating of a mesh whose vertices determine the first color of its material.
+    /// Creates the binding of a mesh whose vertices determine the first color of its material.
     pub(crate) fn by_vertex(material: &Material, vertices: VertexColors) -> Self {
         let first = material.with_color(vertices.first());
         Self::ByVertex(ByVertex { first, vertices }.into())
     }
 
-    /// Creates the coating of copies of shapes with these, at least one.
-    pub(crate) fn by_shape(coatings: Box<[Self]>) -> Self {
-        let materials = coatings.iter().flat_map(Self::all).cloned().collect();
-        match &*coatings {
+    /// Creates the binding of copies of shapes with these, at least one.
+    pub(crate) fn by_shape(bindings: Box<[Self]>) -> Self {
+        let materials = bindings.iter().flat_map(Self::all).cloned().collect();
+        match &*bindings {
             [one] => one.clone(),
             [Self::Plain(material), others @ ..]
                 if others.iter().all(|other| other.plain() == Some(material)) =>
@@ -192,7 +192,7 @@ impl Coating {
             }
             _ => Self::ByShape(
                 ByShape {
-                    coatings,
+                    bindings,
                     materials,
                 }
                 .into(),
@@ -200,10 +200,10 @@ impl Coating {
         }
     }
 
-    /// Returns the coating of one of the shapes that copies are of.
+    /// Returns the binding of one of the shapes that copies are of.
     pub(crate) fn of_shape(&self, index: usize) -> &Self {
         match self {
-            Self::ByShape(all) => all.coatings.get(index).unwrap_or(self),
+            Self::ByShape(all) => all.bindings.get(index).unwrap_or(self),
             Self::Plain(_) | Self::ByFace(_) | Self::ByVertex(_) => self,
         }
     }
@@ -216,7 +216,7 @@ impl Coating {
             Self::Plain(material) => material,
             Self::ByFace(materials) => &materials.others,
             Self::ByVertex(materials) => &materials.first,
-            Self::ByShape(all) => match &*all.coatings {
+            Self::ByShape(all) => match &*all.bindings {
                 [first, ..] => first.main(),
                 [] => &Material::Matte(Color::BLACK),
             },
@@ -261,15 +261,15 @@ mod tests {
     #[test]
     fn equal_materials_are_one() {
         let [white, black] = [Color::WHITE, Color::BLACK].map(Material::Matte);
-        let equal = Coating::by_face([white.clone(), white.clone()], white.clone());
+        let equal = MaterialBinding::by_face([white.clone(), white.clone()], white.clone());
         assert_eq!(equal.plain(), Some(&white));
-        let unequal = Coating::by_face([white.clone()], black);
+        let unequal = MaterialBinding::by_face([white.clone()], black);
         assert_eq!((unequal.plain(), unequal.all().count()), (None, 2));
     }
 
     // A million spheres pay nothing for it.
     #[test]
-    fn a_coating_is_no_larger_than_a_material() {
-        assert_eq!(size_of::<Coating>(), size_of::<Material>());
+    fn a_binding_is_no_larger_than_a_material() {
+        assert_eq!(size_of::<MaterialBinding>(), size_of::<Material>());
     }
 }

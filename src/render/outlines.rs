@@ -12,7 +12,7 @@ use crate::{
     film::{Outlines, colors::NOTHING, samples::Samples},
     render::{
         hits::{Hits, Rays},
-        ink::{
+        outlines::{
             amid::{Common, amid},
             runs::Runs,
         },
@@ -28,7 +28,7 @@ const NEAR: f64 = if cfg!(test) { 2.0 } else { 16.0 };
 const WIDEST: f64 = 640.0;
 
 /// The outlines of the samples of a rectangle.
-pub(super) struct Ink<'a> {
+pub(super) struct OutlineMask<'a> {
     outlines: Outlines,
     world: &'a World,
     hits: &'a Hits,
@@ -50,7 +50,7 @@ pub(super) struct Ink<'a> {
     side: u32,
 }
 
-impl<'a> Ink<'a> {
+impl<'a> OutlineMask<'a> {
     /// Rejects lines that are very many samples wide, which would take any time.
     pub(super) fn check(outlines: &Outlines, samples: Samples) -> Result<(), Error> {
         let width = outlines.width * f64::from(samples.side());
@@ -119,19 +119,19 @@ impl<'a> Ink<'a> {
         }
     }
 
-    /// Returns the light of an inked sample.
+    /// Returns the light of a sample on a line.
     pub(super) fn color(&self) -> Radiance {
         self.outlines.color.to_linear()
     }
 
-    /// Returns true if a sample, counted from the top left of the picture, is inked.
+    /// Returns true if a sample, counted from the top left of the picture, is outlined.
     pub(super) fn covers(&self, column: u32, row: u32) -> bool {
-        self.inked_by(column, row).is_some()
+        self.outlined_by(column, row).is_some()
     }
 
-    /// Returns the neighbor that inks a sample: the columns and rows to it, and the geometry that it
+    /// Returns the neighbor that outlines a sample: the columns and rows to it, and the geometry that it
     /// sees.
-    pub(super) fn inked_by(&self, column: u32, row: u32) -> Option<([i64; 2], u32)> {
+    pub(super) fn outlined_by(&self, column: u32, row: u32) -> Option<([i64; 2], u32)> {
         let place = self.hits.place(column, row);
         if self.hits.ids[place] == NOTHING || self.is_amid(place) {
             return None;
@@ -143,13 +143,13 @@ impl<'a> Ink<'a> {
             let row = u32::try_from(i64::from(row) + near[1]).ok()?;
             let is_inside = columns.contains(&column) && rows.contains(&row);
             let other = is_inside.then(|| self.hits.place(column, row))?;
-            self.inks(place, other, *near, &mut met)
+            self.reaches(place, other, *near, &mut met)
         });
-        near.or_else(|| self.inked_from_afar(place, self.runs.as_ref()?, met))
+        near.or_else(|| self.outlined_from_afar(place, self.runs.as_ref()?, met))
     }
 
-    /// Returns the neighbor if it inks a sample.
-    fn inks(
+    /// Returns the neighbor if it outlines a sample.
+    fn reaches(
         &self,
         place: usize,
         other: usize,
@@ -162,9 +162,9 @@ impl<'a> Ink<'a> {
         is_near.then(|| (near, self.hits.ids[other]))
     }
 
-    /// Returns the first neighbor that inks a sample among the nearest of each geometry that is not in
+    /// Returns the first neighbor that outlines a sample among the nearest of each geometry that is not in
     /// `met`, in the order of `near`. Rows are searched from near to far.
-    fn inked_from_afar(
+    fn outlined_from_afar(
         &self,
         place: usize,
         runs: &Runs,
@@ -199,7 +199,7 @@ impl<'a> Ink<'a> {
                 waiting.retain(|other| *other != next);
                 let ([_, y, x], _) = next;
                 let other = (row as i64 + y) as usize * width + (column as i64 + x) as usize;
-                if let Some(found) = self.inks(place, other, [x, y], &mut met) {
+                if let Some(found) = self.reaches(place, other, [x, y], &mut met) {
                     return Some(found);
                 }
             }
