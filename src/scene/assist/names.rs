@@ -9,6 +9,7 @@ use crate::{
         format::{
             cameras::fault_of_name,
             geometry::nesting::FIELD_NAMES,
+            material::NamedModel,
             scene::Model,
             thing::{Thing, Type},
         },
@@ -22,8 +23,6 @@ use crate::{
     },
 };
 
-/// The variant whose content is the name of a material.
-const NAMED: &str = "Named";
 /// The longest definition that is shown.
 const LONGEST: usize = 400;
 
@@ -137,7 +136,7 @@ fn whole(finder: &Finder, id: NodeId) -> Option<Name> {
     if tree
         .node(parent)
         .name()
-        .is_some_and(|name| finder.at(name) == NAMED)
+        .is_some_and(|name| finder.at(name) == NamedModel::VARIANT)
     {
         return Some(plain(finder, id, NameKind::Material, None));
     }
@@ -156,7 +155,7 @@ fn whole(finder: &Finder, id: NodeId) -> Option<Name> {
         };
     }
     match &*finder.name(key) {
-        NAMED => Some(plain(finder, id, NameKind::Material, None)),
+        NamedModel::VARIANT => Some(plain(finder, id, NameKind::Material, None)),
         "name" => {
             let (kind, thing) = element(finder, parent)?;
             Some(plain(finder, id, kind, Some(tree.node(thing).range())))

@@ -9,7 +9,10 @@ use serde::de::{
 use crate::{
     diagnostic::{Code, Diagnostic, Fix, path::Trail},
     scene::{
-        format::geometry::solid::{OPERANDS, SOLIDS},
+        format::{
+            geometry::solid::{OPERANDS, SOLIDS},
+            material::NamedModel,
+        },
         near::near,
         recover::{
             Text,
@@ -25,9 +28,6 @@ use crate::{
         syntax::{Kind, NodeId, Syntax, name, string},
     },
 };
-
-/// The variant that holds the name of a material.
-const NAMED: &str = "Named";
 
 /// A given variant, or a stand-in for one.
 pub(super) struct Variant<'a, 'p> {
@@ -183,15 +183,15 @@ fn fitting(path: &Trail<'_>, variants: &'static [&'static str]) -> &'static [&'s
 
 /// Returns true if one of the variants names something that is defined elsewhere.
 fn has_names(variants: &[&str]) -> bool {
-    variants.contains(&NAMED)
+    variants.contains(&NamedModel::VARIANT)
 }
 
 /// The help for someone who wrote the name of a material, maybe in quotes, where one is expected.
 fn by_name(syntax: Syntax, name: &str) -> String {
-    let name = name.trim_matches('"');
+    let (name, variant) = (name.trim_matches('"'), NamedModel::VARIANT);
     let spelt = match syntax {
-        Syntax::Ron => format!("{NAMED}(\"{name}\")"),
-        Syntax::Json => format!("{{\"{NAMED}\": \"{name}\"}}"),
+        Syntax::Ron => format!("{variant}(\"{name}\")"),
+        Syntax::Json => format!("{{\"{variant}\": \"{name}\"}}"),
     };
     format!("to name one of `materials`, write `{spelt}`")
 }

@@ -1,7 +1,7 @@
 //! Geometries inside of others: their fields, their numbers, their paths, and the ways through all
 //! of them.
 
-use std::{iter::Enumerate, slice};
+use std::{iter::Enumerate, slice, sync::LazyLock};
 
 use glam::DVec3;
 
@@ -10,6 +10,7 @@ use crate::{
     scene::format::{
         geometry::{GeometryModel, placement::Placement},
         scene::Model,
+        thing::{Thing, Type, Variant},
         transform::TransformModel,
     },
     tracer::shape::{Membership, Shape},
@@ -66,7 +67,20 @@ impl<'m> Inside<'m> {
 }
 
 /// The names of fields with geometries, in any geometry.
-pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG, "of", "minus"];
+pub(crate) static FIELD_NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    let is_geometry = |variant: &Variant| {
+        let mut all = GeometryModel::VARIANTS.iter();
+        all.any(|geometry| geometry.name == variant.name)
+    };
+    let fields = GeometryModel::of_type().fields();
+    let fields = fields.filter(|field| match (field.of_type)().innermost() {
+        Type::OneOf(one_of) => one_of.variants.iter().all(is_geometry),
+        _ => false,
+    });
+    let mut names: Vec<_> = fields.map(|field| field.name).collect();
+    names.dedup();
+    names
+});
 
 impl GeometryModel {
     /// Returns the number of geometries that it is: itself and all inside of it.

@@ -11,6 +11,11 @@ use crate::scene::format::thing::{See, Thing, Type};
 #[serde(transparent)]
 pub struct NamedModel(pub Box<str>);
 
+impl NamedModel {
+    /// The name of the variant that it is.
+    pub(crate) const VARIANT: &str = "Named";
+}
+
 impl Thing for NamedModel {
     fn of_type() -> Type {
         Type::NameOfMaterial
