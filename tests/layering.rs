@@ -3,7 +3,7 @@
 //! The tables define the order. This test reads them, so that no second list is needed.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
 };
@@ -516,4 +516,58 @@ fn only_simd_may_hold_unsafe_code() {
     assert_eq!(rooms, [("simd", false)]);
     let program = fs::read_to_string("src/main.rs").unwrap();
     assert!(program.contains("#![forbid(unsafe_code)]"));
+}
+
+/// The names that several types still share. A name that leaves this list stays away.
+const SHARED_NAMES: &str = "\
+    Answer Args Around Array Arriving At Block Blocks Bounds Builder Bytes Cell Change Checked \
+    Column Columns Common Cone Content Copies Corners Counts Crossing Crossings Cut Draw Drawing \
+    Drawn Element Elements Encoding End Entry Excerpt Extent Eye Failure Farthest Fault Fields \
+    Fill FirstOfEach Form Format Frame Frames Grid Header Hits Index Instances Interpolation \
+    Item Items Job Kinds Known Lanes Last Layer Layout Leaf Leaves Level Levels Light LightTerms \
+    Line Lines List Lists Mark Materials Name Names Near Needs Node Number One Opening Order \
+    OutputFormat Own Palette Parts Passage Path Pending Pixel Placed Places Plain Plan Plane \
+    Printer Project Queue Range Rays Reader Record Refused Region Report Request Result Round \
+    Rows Rule Run Runs Samples Scalar Search See Seen Selection SetLevel Settings Shading Shape \
+    Shared Sheared Side Solid Source Span Spare Spot Stage Stamp State Step Summary Surface \
+    Tally Target Terms Text Tree Type Value Variant Vector Waiting Walk Wanted Way Words Work";
+
+#[test]
+fn a_type_name_occurs_once() {
+    let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for file in sources() {
+        if file.path.iter().any(|part| part == "tests") {
+            continue;
+        }
+        let code = file.text.split("#[cfg(test)]\nmod tests {").next();
+        for line in code.unwrap_or_default().lines() {
+            // A `type` inside of a block belongs to a trait.
+            let is_inner = line.starts_with(' ');
+            let words = words(line);
+            let is_word = |word: &&String| *word != "pub" && *word != "crate" && *word != "super";
+            let mut words = words.iter().filter(is_word);
+            let words = words
+                .by_ref()
+                .skip_while(|word| "()in::".contains(word.as_str()));
+            if let [kind, name] = *words.take(2).collect::<Vec<_>>()
+                && is_name(name)
+                && (matches!(kind.as_str(), "struct" | "enum" | "trait" | "union")
+                    || kind == "type" && !is_inner)
+            {
+                places
+                    .entry(name.clone())
+                    .or_default()
+                    .push(file.name.clone());
+            }
+        }
+    }
+    assert!(places.len() > 500, "only {} names were found", places.len());
+    places.retain(|_, files| files.len() > 1);
+    let shared: BTreeSet<&str> = SHARED_NAMES.split_whitespace().collect();
+    let found: BTreeSet<&str> = places.keys().map(String::as_str).collect();
+    let new: Vec<_> = found
+        .difference(&shared)
+        .map(|name| &places[*name])
+        .collect();
+    assert!(new.is_empty(), "types of one name: {new:#?}");
 }

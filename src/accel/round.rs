@@ -105,7 +105,7 @@ impl Kernel for FirstOfEach<'_> {
 }
 
 /// The first crossings of eight rays.
-struct Found<S: Simd> {
+struct FirstCrossings<S: Simd> {
     t: S::F64,
     face: S::F64,
     /// The lanes that have a crossing.
@@ -117,7 +117,7 @@ struct Found<S: Simd> {
 
 /// Returns the first crossings of some rays that leave nothing.
 #[inline(always)]
-fn meet_disc<S: Simd>(simd: S, disc: &Disc, bundle: &Bundle, rays: u8) -> Found<S> {
+fn meet_disc<S: Simd>(simd: S, disc: &Disc, bundle: &Bundle, rays: u8) -> FirstCrossings<S> {
     let zero = simd.splat(0.0);
     let [o, d] = [
         load3(simd, bundle.origins()),
@@ -131,7 +131,7 @@ fn meet_disc<S: Simd>(simd: S, disc: &Disc, bundle: &Bundle, rays: u8) -> Found<
     let squared = simd.splat(disc.radius() * disc.radius());
     let is_inside = dot(from_center, from_center).le(squared) & !up.eq(zero);
     let met = is_inside & zero.lt(t) & t.lt(simd.load(bundle.t_max()));
-    Found {
+    FirstCrossings {
         t,
         face: zero,
         met: met.bits() & rays,
@@ -141,7 +141,12 @@ fn meet_disc<S: Simd>(simd: S, disc: &Disc, bundle: &Bundle, rays: u8) -> Found<
 
 /// Returns the first crossings of some rays that leave nothing.
 #[inline(always)]
-fn meet_cylinder<S: Simd>(simd: S, cylinder: &Cylinder, bundle: &Bundle, rays: u8) -> Found<S> {
+fn meet_cylinder<S: Simd>(
+    simd: S,
+    cylinder: &Cylinder,
+    bundle: &Bundle,
+    rays: u8,
+) -> FirstCrossings<S> {
     let zero = simd.splat(0.0);
     let [o, d] = [
         load3(simd, bundle.origins()),
@@ -158,7 +163,7 @@ fn meet_cylinder<S: Simd>(simd: S, cylinder: &Cylinder, bundle: &Bundle, rays: u
     let mut odd = a.eq(zero);
     let meets = zero.le(discriminant);
     if (meets | odd).bits() & rays == 0 {
-        return Found {
+        return FirstCrossings {
             t: zero,
             face: zero,
             met: 0,
@@ -219,7 +224,7 @@ fn meet_cylinder<S: Simd>(simd: S, cylinder: &Cylinder, bundle: &Bundle, rays: u
     if met.bits() & rays != 0 {
         odd = odd | (met & !surely_holds(simd, &cylinder.near(), [o, d], t));
     }
-    Found {
+    FirstCrossings {
         t,
         face: S::F64::select(near, ends[0].1, ends[1].1),
         met: (met & !odd).bits() & rays,

@@ -36,10 +36,10 @@ pub(super) struct Params {
     header: Line,
     /// The column names, each once.
     columns: Vec<String>,
-    rows: Vec<Row>,
+    rows: Vec<ParamsRow>,
 }
 
-struct Row {
+struct ParamsRow {
     line: Line,
     /// A cell for each column; `None` keeps the value of the scene.
     cells: Vec<Option<Cell>>,
@@ -183,7 +183,7 @@ impl Params {
     }
 }
 
-type Rows = (Line, Vec<String>, Vec<Row>);
+type Rows = (Line, Vec<String>, Vec<ParamsRow>);
 
 fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     let mut reader = ReaderBuilder::new()
@@ -231,7 +231,7 @@ fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
         }
         let cells = record.iter();
         let cells = cells.map(|cell| (!cell.is_empty()).then(|| Cell::Text(cell.to_owned())));
-        rows.push(Row {
+        rows.push(ParamsRow {
             line,
             cells: cells.collect(),
         });
@@ -246,7 +246,7 @@ fn at<R: std::io::Read>(reader: &csv::Reader<R>) -> usize {
 
 fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     let mut columns: Vec<String> = Vec::new();
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<ParamsRow> = Vec::new();
     let mut start = 0;
     for (number, text) in (1..).zip(bytes.split_inclusive(|byte| *byte == b'\n')) {
         let line = Line::of(bytes, start..start + text.len(), number);
@@ -279,7 +279,7 @@ fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
                 *cell = Some(Cell::Json(value));
             }
         }
-        rows.push(Row { line, cells });
+        rows.push(ParamsRow { line, cells });
     }
     for row in &mut rows {
         row.cells.resize_with(columns.len(), || None);

@@ -32,12 +32,12 @@ pub(crate) struct Fault {
 pub(crate) struct Spot {
     /// The number of the line, from 1.
     pub(crate) line: u64,
-    pub(crate) part: Part,
+    pub(crate) part: LinePart,
 }
 
 /// A part of a line. One that is not found, or found twice, is all of the line.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Part {
+pub(crate) enum LinePart {
     All,
     /// Bytes of the line, end exclusive.
     Bytes(Range<usize>),
@@ -59,7 +59,7 @@ pub(crate) struct At {
 impl At {
     /// Creates a place in a line of a text.
     pub(crate) fn new(words: impl Into<String>, line: impl Into<Option<u64>>) -> Self {
-        let part = Part::All;
+        let part = LinePart::All;
         Self {
             words: words.into(),
             spot: line.into().map(|line| Spot { line, part }),
@@ -90,7 +90,7 @@ impl At {
     }
 
     /// Narrows the place down to a part of the line.
-    pub(crate) fn part(mut self, part: Part) -> Self {
+    pub(crate) fn part(mut self, part: LinePart) -> Self {
         if let Some(spot) = &mut self.spot {
             spot.part = part;
         }
@@ -99,7 +99,7 @@ impl At {
 
     /// Narrows the place down to a word, if it is in the line only once.
     pub(crate) fn word(self, word: impl Into<String>) -> Self {
-        self.part(Part::Word(word.into()))
+        self.part(LinePart::Word(word.into()))
     }
 
     /// Creates a fault at this place.

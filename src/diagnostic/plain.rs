@@ -5,13 +5,13 @@ use std::{cell::OnceCell, fmt::Write as _};
 use crate::{
     diagnostic::{Diagnostic, InFile, Severity},
     text::{
-        lines::{Lines, Place},
+        lines::{LineRange, Lines},
         sanitize::sanitize,
     },
 };
 
 /// Returns `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`.
-pub(crate) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String {
+pub(crate) fn line(file: &str, place: LineRange, diagnostic: &Diagnostic) -> String {
     format!(
         "{}:{}:{}: {}[{}]: {}",
         sanitize(file),
@@ -25,7 +25,7 @@ pub(crate) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String 
 
 /// Returns that line, a line for each label and the help: everything that plain text can show.
 pub(crate) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
-    let mut text = line(file, Place::new(lines, &diagnostic.range), diagnostic);
+    let mut text = line(file, LineRange::new(lines, &diagnostic.range), diagnostic);
     for label in &diagnostic.labels {
         let at = lines.position(label.range.start);
         // Writing to a string cannot fail.
@@ -76,7 +76,7 @@ pub(crate) fn listing(texts: &[Text<'_>]) -> (String, String) {
                 if let Some(place) = &fault.in_file {
                     let (own, at) = (own(fault, place), Lines::after(place.line - 1, &place.text));
                     if listed.is_empty() {
-                        first = line(&place.file, Place::new(&at, &own.range), &own);
+                        first = line(&place.file, LineRange::new(&at, &own.range), &own);
                     }
                     let used_by = lines.position(fault.range.start);
                     listed.push(format!(
@@ -89,7 +89,7 @@ pub(crate) fn listing(texts: &[Text<'_>]) -> (String, String) {
                     continue;
                 }
                 if listed.is_empty() {
-                    first = line(name, Place::new(lines, &fault.range), fault);
+                    first = line(name, LineRange::new(lines, &fault.range), fault);
                 }
                 listed.push(paragraph(name, lines, fault));
             }

@@ -29,7 +29,7 @@ use self::surfaces::Surfaces;
 
 /// A row of samples and their hits.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row<'a> {
+pub(crate) struct SampleRow<'a> {
     pub(crate) camera: &'a Camera,
     /// The parts of the rays that columns share, by axis.
     pub(crate) columns: [&'a [f64]; 3],
@@ -46,7 +46,7 @@ pub(crate) struct ShadeRow<'a, Q> {
     /// The shadows of each light, unless it casts none.
     pub(crate) shadows: &'a [Option<Shadows<'a>>],
     pub(crate) queries: &'a Q,
-    pub(crate) row: Row<'a>,
+    pub(crate) row: SampleRow<'a>,
     pub(crate) known: &'a mut Cache,
     /// Red, green and blue of each sample.
     pub(crate) light: [&'a mut [f64]; 3],
@@ -89,7 +89,7 @@ struct Hits<S: Simd> {
     surfaces: Surfaces<S>,
 }
 
-impl<'a> Row<'a> {
+impl<'a> SampleRow<'a> {
     /// Returns the hits from `start` on, with `v` if that is needed. Lanes behind the end repeat the
     /// last sample.
     #[inline(always)]

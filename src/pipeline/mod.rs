@@ -28,7 +28,7 @@ use crate::{
         timings::{Stage, Timings},
     },
     render::{
-        explained::{ExplainedPixel, View},
+        explained::{ExplainedPixel, PixelSource},
         ray_tracer::RayTracer,
     },
     scene::{
@@ -146,7 +146,7 @@ impl Scene {
         let (Some(row), Some(camera)) = (row.filter(|_| x < size.width()), camera) else {
             return Ok(None);
         };
-        let view = View {
+        let view = PixelSource {
             camera: &camera,
             world: &self.world,
             size,

@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// What a pixel is computed from.
-pub(crate) struct View<'a> {
+pub(crate) struct PixelSource<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) world: &'a World,
     pub(crate) size: Size,
@@ -69,7 +69,7 @@ pub struct ExplainedSample {
     pub specular: Radiance,
 }
 
-impl View<'_> {
+impl PixelSource<'_> {
     /// Explains a pixel, counted from the top left, by plain loops.
     ///
     /// # Errors

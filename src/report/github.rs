@@ -11,7 +11,7 @@ use super::{FileReport, Report, Summary, summary::counted, summary::with_use};
 use crate::{
     diagnostic::{Diagnostic, Severity, plain::paragraph},
     text::{
-        lines::{Lines, Place},
+        lines::{LineRange, Lines},
         sanitize::sanitize,
     },
 };
@@ -86,7 +86,7 @@ impl<W: Write> Report for Github<W> {
 
 fn command(report: &FileReport<'_>, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
     let file = report.file;
-    let place = Place::new(lines, &diagnostic.range);
+    let place = LineRange::new(lines, &diagnostic.range);
     let (first, last) = (place.start.line, place.last_line());
     let mut command = format!(
         "::{} file={},line={first},endLine={last}",

@@ -13,7 +13,7 @@ use crate::{
     diagnostic::Diagnostic,
     text::{
         edit::Edit,
-        lines::{Lines, Place},
+        lines::{LineRange, Lines},
         sanitize::shown,
         stamp::{Stamp, Stamped},
     },
@@ -133,7 +133,7 @@ struct JsonSpan {
 
 impl JsonSpan {
     fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
-        let Place { start, end } = Place::new(lines, range);
+        let LineRange { start, end } = LineRange::new(lines, range);
         Self {
             line: start.line,
             column: start.column,

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     diagnostic::{Code, Diagnostic, explain::page_url},
-    text::lines::{Lines, Place},
+    text::lines::{LineRange, Lines},
 };
 
 pub(super) struct Sarif<W> {
@@ -277,7 +277,7 @@ struct Region {
 
 impl Region {
     fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
-        let Place { start, end } = Place::new(lines, range);
+        let LineRange { start, end } = LineRange::new(lines, range);
         Self {
             start_line: start.line,
             start_column: start.column,

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::plain::line,
-    text::{lines::Place, sanitize::sanitize},
+    text::{lines::LineRange, sanitize::sanitize},
 };
 
 pub(super) struct Short<W>(pub(super) W);
@@ -14,7 +14,7 @@ impl<W: Write> Report for Short<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
-            let place = Place::new(&lines, &diagnostic.range);
+            let place = LineRange::new(&lines, &diagnostic.range);
             let line = line(report.file, place, diagnostic);
             match report.used_by {
                 Some(used_by) => writeln!(self.0, "{line} ({used_by})")?,

@@ -15,7 +15,7 @@ use crate::{
             scene::Model,
         },
         options::ReadOptions,
-        path::{self, Part},
+        path::{self, PathPart},
     },
     tracer::camera::basis::are_parallel,
 };
@@ -55,7 +55,7 @@ fn fit(model: &mut Model, from: Triple) {
     if let Some(tracks) = tracks.and_then(|animation| animation.tracks.as_mut()) {
         tracks.0.retain(|(path, _)| {
             let parts = path::parts(path).unwrap_or_default();
-            let first = parts.first().and_then(Part::name);
+            let first = parts.first().and_then(PathPart::name);
             !matches!(first, Some("camera" | "cameras"))
         });
     }

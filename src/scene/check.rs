@@ -80,7 +80,7 @@ impl Checked {
 }
 
 /// A model and its problems.
-pub(super) struct Found {
+pub(super) struct CheckedModel {
     pub(super) model: Model,
     pub(super) tables: Option<Tables>,
     needs: Needs,
@@ -93,7 +93,7 @@ pub(super) struct Found {
     has_lights: bool,
 }
 
-impl Found {
+impl CheckedModel {
     /// Checks the model of a large file, if the fast reader knows it. Rewinds the file to its
     /// start.
     pub(super) fn in_file(
@@ -227,7 +227,7 @@ impl Found {
 /// `found` holds the results of an earlier read of the file, if any.
 pub(super) fn check(
     source: &Source,
-    found: Option<Found>,
+    found: Option<CheckedModel>,
     options: &ReadOptions,
     watch: &Watch,
 ) -> Checked {
@@ -241,7 +241,7 @@ pub(super) fn check(
         if options.is_cancelled() {
             return Checked::refused(Vec::new());
         }
-        return Found::of(model, syntax, options, watch).placed(source, levels);
+        return CheckedModel::of(model, syntax, options, watch).placed(source, levels);
     }
     let tree = watch.time(Stage::Read, || source.tree_until(|| options.is_cancelled()));
     if options.is_cancelled() {
@@ -276,13 +276,13 @@ pub(super) fn check(
     let (mut more, mut needs) = (Suppressed::default(), Needs::default());
     if let Some(model) = model {
         if diagnostics.is_empty() {
-            return Found::of(model, syntax, options, watch).placed(source, levels);
+            return CheckedModel::of(model, syntax, options, watch).placed(source, levels);
         }
         let locator = Locator::new(text, tree, &repairs);
         // A fault inside a repair is not reported twice. Settings wait until the scene is complete,
         // and so does the check for visible geometries.
         let stand_ins = StandIns(locator.stand_ins(&model));
-        let found = Found::unset(model, &stand_ins, options, watch);
+        let found = CheckedModel::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
         // Without readable materials no name is known.
         let materials = Path::ROOT.field("materials");

@@ -9,7 +9,7 @@ use crate::{
     text::{
         lines::Lines,
         print,
-        syntax::{Kind, Syntax, Tree, parse},
+        syntax::{NodeKind, Syntax, Tree, parse},
     },
 };
 
@@ -105,7 +105,7 @@ fn short_numbers(text: &str, syntax: Syntax) -> String {
     for id in tree.ids() {
         let node = tree.node(id);
         let written = text.get(node.range()).unwrap_or("");
-        if node.kind() == Kind::Number
+        if node.kind() == NodeKind::Number
             && let Some(whole) = written.strip_suffix(".0")
         {
             short.push_str(text.get(done..node.range().start).unwrap_or(""));

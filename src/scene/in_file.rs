@@ -11,7 +11,7 @@ use std::{
 };
 
 use crate::{
-    data::fault::{Part, Spot},
+    data::fault::{LinePart, Spot},
     diagnostic::InFile,
     scene::{files::Folder, problem::Problem},
 };
@@ -84,23 +84,23 @@ fn read_lines(content: impl Read, texts: &mut BTreeMap<u64, Option<String>>) -> 
 }
 
 /// Returns the place of a part of a line: all of the line, if it is not there or not only once.
-fn range_in(text: &str, part: &Part) -> Range<usize> {
+fn range_in(text: &str, part: &LinePart) -> Range<usize> {
     let only = |is_it: &dyn Fn(&str) -> bool| {
         let mut found = words(text).filter(|word| text.get(word.clone()).is_some_and(is_it));
         found.next().filter(|_| found.next().is_none())
     };
     let found = match part {
-        Part::All => None,
+        LinePart::All => None,
         // A line may end before its last columns.
-        Part::Bytes(range) => Some(range.start.min(text.len())..range.end.min(text.len())),
-        Part::Cell { at, of } => {
+        LinePart::Bytes(range) => Some(range.start.min(text.len())..range.end.min(text.len())),
+        LinePart::Cell { at, of } => {
             let cells = cells(text);
             (cells.len() == *of)
                 .then(|| cells.get(*at).cloned())
                 .flatten()
         }
-        Part::Word(wanted) => only(&|word| word == wanted),
-        Part::Number(wanted) => only(&|word| {
+        LinePart::Word(wanted) => only(&|word| word == wanted),
+        LinePart::Number(wanted) => only(&|word| {
             let number = word.parse::<f64>();
             number.is_ok_and(|number| number == *wanted || number.is_nan() && wanted.is_nan())
         }),
@@ -158,8 +158,8 @@ mod tests {
 
     #[test]
     fn a_part_of_a_line_has_a_range() {
-        let cell = |at| Part::Cell { at, of: 3 };
-        let word = |word: &str| Part::Word(word.to_owned());
+        let cell = |at| LinePart::Cell { at, of: 3 };
+        let word = |word: &str| LinePart::Word(word.to_owned());
         for (text, part, place) in [
             ("1, a ,a", cell(1), "a"),
             ("1,a,b", cell(2), "b"),
@@ -167,15 +167,15 @@ mod tests {
             ("1 2\t3", cell(2), "3"),
             ("\"1,2\",3,4", cell(1), "3"),
             (" 1,2 ", cell(1), "1,2"),
-            (" 1,2 ", Part::All, "1,2"),
+            (" 1,2 ", LinePart::All, "1,2"),
             ("f 1 x/y 3", word("x/y"), "x/y"),
             ("f x x 3", word("x"), "f x x 3"),
-            ("H 0 0 -1.0", Part::Number(-1.0), "-1.0"),
-            ("H 0 0 nan", Part::Number(f64::NAN), "nan"),
-            ("H 0 0 1", Part::Number(0.0), "H 0 0 1"),
-            ("a b cd", Part::Bytes(2..5), "b c"),
-            ("a b cd", Part::Bytes(2..9), "b cd"),
-            ("äb", Part::Bytes(1..2), "äb"),
+            ("H 0 0 -1.0", LinePart::Number(-1.0), "-1.0"),
+            ("H 0 0 nan", LinePart::Number(f64::NAN), "nan"),
+            ("H 0 0 1", LinePart::Number(0.0), "H 0 0 1"),
+            ("a b cd", LinePart::Bytes(2..5), "b c"),
+            ("a b cd", LinePart::Bytes(2..9), "b cd"),
+            ("äb", LinePart::Bytes(1..2), "äb"),
         ] {
             assert_eq!(&text[range_in(text, &part)], place, "{text}: {part:?}");
         }

@@ -5,7 +5,7 @@ use std::io;
 use crate::{
     parallel::timings::{Stage, Watch},
     scene::{
-        check::{Checked, Found, check},
+        check::{Checked, CheckedModel, check},
         files::{self, Content, FileText},
         options::ReadOptions,
         source::Source,
@@ -34,7 +34,7 @@ impl Loaded {
     ) -> io::Result<Self> {
         let found = match &content {
             Content::File(file) if !options.keeps_text() => watch.time(Stage::Check, || {
-                Found::in_file(file, length, syntax, options, watch)
+                CheckedModel::in_file(file, length, syntax, options, watch)
             })?,
             _ => None,
         };
@@ -53,7 +53,7 @@ impl Loaded {
     /// Checks a text; `found` holds the results of an earlier read of the file, if any.
     pub(super) fn from_text(
         FileText { text, fault }: FileText,
-        found: Option<Found>,
+        found: Option<CheckedModel>,
         syntax: Syntax,
         options: &ReadOptions,
         watch: &Watch,

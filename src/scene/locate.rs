@@ -21,7 +21,7 @@ use crate::{
     },
     text::{
         edit::Edit,
-        syntax::{Kind, NodeId, Syntax, Tree},
+        syntax::{NodeId, NodeKind, Syntax, Tree},
     },
 };
 
@@ -66,7 +66,7 @@ impl<'a> Locator<'a> {
             }
             match step.name() {
                 None => node = self.element(node, step)?,
-                Some(name) if self.tree.node(node).kind() == Kind::List => {
+                Some(name) if self.tree.node(node).kind() == NodeKind::List => {
                     node = self.named(node, name)?;
                 }
                 Some(name) => {
@@ -244,14 +244,17 @@ impl<'a> Locator<'a> {
             return None;
         };
         // The list in a variant, as in `Colors([…])`.
-        let is_list = |node: &NodeId| self.tree.node(*node).kind() == Kind::List;
+        let is_list = |node: &NodeId| self.tree.node(*node).kind() == NodeKind::List;
         let is_variant =
-            self.tree.node(owner).kind() == Kind::Map || self.tree.node(owner).name().is_some();
+            self.tree.node(owner).kind() == NodeKind::Map || self.tree.node(owner).name().is_some();
         let inside = self
             .content(owner)
             .filter(|inside| is_variant && is_list(inside));
         let owner = inside.unwrap_or(owner);
-        if !matches!(self.tree.node(owner).kind(), Kind::List | Kind::Tuple) {
+        if !matches!(
+            self.tree.node(owner).kind(),
+            NodeKind::List | NodeKind::Tuple
+        ) {
             return None;
         }
         let mut lists = self.lists.borrow_mut();
@@ -280,7 +283,7 @@ impl<'a> Locator<'a> {
 /// Returns the elements of a list; a value that is no list is its only one.
 pub(crate) fn items(tree: &Tree, value: NodeId) -> Vec<NodeId> {
     match tree.node(value).kind() {
-        Kind::List => tree.children(value).collect(),
+        NodeKind::List => tree.children(value).collect(),
         _ => vec![value],
     }
 }
@@ -307,7 +310,7 @@ pub(crate) fn content(text: &str, tree: &Tree, (id, of_type): Typed) -> Typed {
     match (node.name(), fields.next(), fields.next()) {
         (Some(name), ..) => {
             let inside = tree.children(id).next();
-            let inside = inside.filter(|_| node.kind() == Kind::Tuple);
+            let inside = inside.filter(|_| node.kind() == NodeKind::Tuple);
             let name = text.get(name).unwrap_or_default();
             (inside.unwrap_or(id), one_of.value(name))
         }
@@ -332,7 +335,7 @@ pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
     loop {
         let (around, of_type) = content(text, tree, typed);
         let (step, value) = match tree.node(around).kind() {
-            Kind::Struct | Kind::Map => {
+            NodeKind::Struct | NodeKind::Map => {
                 let mut fields = tree.fields(around);
                 let Some((key, value)) = fields.find(|(key, value)| holds(*key, *value)) else {
                     return path;
@@ -345,7 +348,7 @@ pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
                 };
                 (step, (value, of_value))
             }
-            Kind::List | Kind::Tuple => {
+            NodeKind::List | NodeKind::Tuple => {
                 let mut items = tree.children(around).enumerate();
                 let Some((index, item)) = items.find(|(_, item)| holds(*item, *item)) else {
                     return path;

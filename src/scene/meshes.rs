@@ -28,7 +28,7 @@ use crate::{
 };
 
 /// A mesh file that was read.
-struct Found {
+struct MeshOfFile {
     /// `None` if it has errors.
     mesh: Option<ReadMesh>,
     /// The names of the properties of a vertex.
@@ -50,7 +50,7 @@ struct Wanted {
 /// Reads all mesh files of a scene into its model, each once, and returns their problems.
 pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions) -> Vec<Problem> {
     let mut problems = Vec::new();
-    let mut known: BTreeMap<Wanted, Found> = BTreeMap::new();
+    let mut known: BTreeMap<Wanted, MeshOfFile> = BTreeMap::new();
     for at in model.meshes_in_files() {
         let variant = model.path_of(at);
         let Some(GeometryModel::Mesh(geometry)) = model.geometry_mut(at) else {
@@ -88,7 +88,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
                 }
             }
         }
-        if let Some(Found { mesh, names, notes }) = known.get(&wanted) {
+        if let Some(MeshOfFile { mesh, names, notes }) = known.get(&wanted) {
             problems.extend(notes.iter().map(|note| problem(&place, note)));
             locate(&mut problems);
             if let Some(mesh) = mesh {
@@ -133,7 +133,7 @@ fn open(
     files: &Folder<'_>,
     wanted: &Wanted,
     options: &ReadOptions,
-) -> Result<Found, Problem> {
+) -> Result<MeshOfFile, Problem> {
     let format = Format::of_name(place.file).ok_or_else(|| {
         let message = "the extension does not determine the format, expected .ply, .obj or .stl";
         place.problem(Code::InvalidMesh, message)
@@ -157,7 +157,7 @@ fn open(
         let built = build(found, wanted.is_smooth);
         mesh = Some(built.map_err(|error| place.problem(Code::InvalidMesh, error.to_string()))?);
     }
-    Ok(Found { mesh, names, notes })
+    Ok(MeshOfFile { mesh, names, notes })
 }
 
 /// Builds the mesh of a file, with what determines its colors.

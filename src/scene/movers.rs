@@ -20,7 +20,7 @@ use crate::{
     tracer::{
         camera::{
             fit::{Extremes, Turntable},
-            rigid::{Place, Rigid},
+            rigid::{Rigid, RigidPlace},
         },
         shape::Shape,
         transform::Transform,
@@ -132,7 +132,7 @@ impl Movers {
                     let is_part = tables.part(*first).is_some();
                     if let Some(mut place) = levels(shown, *first, is_part)
                         .as_deref()
-                        .and_then(Place::new)
+                        .and_then(RigidPlace::new)
                     {
                         extremes.add_rigid(rigid, &mut place, turned);
                     }

@@ -60,7 +60,7 @@ pub(super) fn read(
         let Some(named) = geometry.part().filter(|_| !options.is_cancelled()) else {
             continue;
         };
-        let place = Place {
+        let place = PartGeometry {
             file: &named.file,
             variant: model.path_of(at),
             is_placed: !model.transforms(at).is_empty(),
@@ -121,7 +121,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Returns the part that a geometry names.
-    fn part(&mut self, named: &PartModel, place: &Place) -> Result<Arc<Part>, Problem> {
+    fn part(&mut self, named: &PartModel, place: &PartGeometry) -> Result<Arc<Part>, Problem> {
         let Some(syntax) = Syntax::of_path(FilePath::new(&*named.file)) else {
             let message = "the extension does not determine the syntax, expected .ron or .json";
             let problem = place.problem(Code::InvalidPart, message);
@@ -195,7 +195,7 @@ impl Reader<'_> {
 
     /// Returns the problem of a ring: `way` leads from the current file to the one at `start` on the
     /// way to the current file.
-    fn ring(&self, start: usize, way: &Way, place: &Place) -> Problem {
+    fn ring(&self, start: usize, way: &Way, place: &PartGeometry) -> Problem {
         let ring = self.nest.way.iter().skip(start).chain(way);
         let ring: Vec<_> = ring.map(|file| quote(&file.written)).collect();
         let message = format!("a part of itself: {}", ring.join(" → "));
@@ -216,7 +216,7 @@ impl Reader<'_> {
     }
 
     /// Reads, checks and builds a file.
-    fn read(&self, file: &File, syntax: Syntax, place: &Place) -> Result<PartFile, Problem> {
+    fn read(&self, file: &File, syntax: Syntax, place: &PartGeometry) -> Result<PartFile, Problem> {
         let opened = self.folder.open_found(&file.path);
         let (content, length) = opened.map_err(|refused| place.refused(refused))?;
         let path = PathBuf::from(&*file.name);
@@ -237,7 +237,7 @@ impl Reader<'_> {
         part: &Part,
         shines: bool,
         is_copy: bool,
-        place: &Place,
+        place: &PartGeometry,
     ) -> Result<(), Problem> {
         self.total = self.total.saturating_add(part.count());
         let lights = part.lights.as_ref().filter(|_| shines).map_or(0, Vec::len);
@@ -346,14 +346,14 @@ fn part(
 }
 
 /// A geometry that names a part.
-struct Place<'a> {
+struct PartGeometry<'a> {
     file: &'a str,
     variant: Path,
     /// True if it or a group around it has a transform.
     is_placed: bool,
 }
 
-impl Place<'_> {
+impl PartGeometry<'_> {
     fn path(&self) -> Path {
         self.variant.field("file")
     }

@@ -48,7 +48,7 @@ impl Span {
 }
 
 /// A geometry of a list that a geometry of the world comes from.
-struct Found<'a> {
+struct ListedGeometry<'a> {
     list: &'a Origins,
     geometry: usize,
     /// The span that it is, and the index in it.
@@ -185,7 +185,7 @@ impl Origins {
     }
 
     /// Returns the geometry of this list that a geometry of the world comes from.
-    fn find(&self, index: usize) -> Found<'_> {
+    fn find(&self, index: usize) -> ListedGeometry<'_> {
         let before = self.spans.partition_point(|span| span.first <= index);
         let last = before.checked_sub(1).and_then(|last| self.spans.get(last));
         let (geometry, span) = match last {
@@ -195,7 +195,7 @@ impl Origins {
             }
             Some(span) => (span.geometry + 1 + (index - span.indices().end), None),
         };
-        Found {
+        ListedGeometry {
             list: self,
             geometry,
             span,
@@ -204,7 +204,7 @@ impl Origins {
 
     /// Returns the geometries that a geometry of the world comes from: one of this list, and if that
     /// is a group one of its list, and so on.
-    fn way(&self, index: usize) -> impl Iterator<Item = Found<'_>> {
+    fn way(&self, index: usize) -> impl Iterator<Item = ListedGeometry<'_>> {
         iter::successors(Some(self.find(index)), |found| match found.span {
             Some((span, index)) => match &span.content {
                 SpanContent::Group(list) => Some(list.find(index)),

@@ -9,12 +9,12 @@ use crate::{
 
 /// A step of a path and its place in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct PathPart {
     pub(crate) step: Step,
     pub(crate) range: Range<usize>,
 }
 
-impl Part {
+impl PathPart {
     /// Returns the name, if the step is one.
     pub(crate) fn name(&self) -> Option<&str> {
         self.step.name()
@@ -30,7 +30,7 @@ impl Part {
 }
 
 /// Returns the steps of a whole path, or the description of the expected token.
-pub(crate) fn parts(text: &str) -> Result<Vec<Part>, &'static str> {
+pub(crate) fn parts(text: &str) -> Result<Vec<PathPart>, &'static str> {
     match parts_before(text)? {
         (parts, "") => Ok(parts),
         _ => Err("`.` or `[` between the parts of the path"),
@@ -38,7 +38,7 @@ pub(crate) fn parts(text: &str) -> Result<Vec<Part>, &'static str> {
 }
 
 /// Returns the steps of the path at the start of a text, and the rest of the text.
-pub(crate) fn parts_before(text: &str) -> Result<(Vec<Part>, &str), &'static str> {
+pub(crate) fn parts_before(text: &str) -> Result<(Vec<PathPart>, &str), &'static str> {
     let mut reader = Reader { text, at: 0 };
     let parts = reader.parts()?;
     Ok((parts, reader.rest()))
@@ -65,18 +65,18 @@ impl<'t> Reader<'t> {
     }
 
     /// Reads up to one of these characters.
-    fn until(&mut self, ends: &[char]) -> (&'t str, Part) {
+    fn until(&mut self, ends: &[char]) -> (&'t str, PathPart) {
         let rest = self.rest();
         let length = rest.find(ends).unwrap_or(rest.len());
         let found = rest[..length].trim_end();
         let range = self.at..self.at + found.len();
         self.at += length;
         let step = Step::Field(found.to_owned().into());
-        (found, Part { step, range })
+        (found, PathPart { step, range })
     }
 
     /// Reads names separated by dots, each with its brackets.
-    fn parts(&mut self) -> Result<Vec<Part>, &'static str> {
+    fn parts(&mut self) -> Result<Vec<PathPart>, &'static str> {
         let mut parts = Vec::new();
         loop {
             parts.push(self.name()?);
@@ -89,7 +89,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    fn name(&mut self) -> Result<Part, &'static str> {
+    fn name(&mut self) -> Result<PathPart, &'static str> {
         match self.until(&['.', '[', '=']) {
             ("", _) => Err("the name of a field"),
             (_, part) => Ok(part),
@@ -97,7 +97,7 @@ impl<'t> Reader<'t> {
     }
 
     /// An index, or a name in quotes.
-    fn in_brackets(&mut self) -> Result<Part, &'static str> {
+    fn in_brackets(&mut self) -> Result<PathPart, &'static str> {
         let part = if self.rest().starts_with('"') {
             self.quoted()?
         } else {
@@ -108,7 +108,7 @@ impl<'t> Reader<'t> {
             let Ok(index) = digits.parse() else {
                 return Err("a valid index");
             };
-            Part {
+            PathPart {
                 step: Step::Index(index),
                 ..part
             }
@@ -116,7 +116,7 @@ impl<'t> Reader<'t> {
         if self.take(']') { Ok(part) } else { Err("`]`") }
     }
 
-    fn quoted(&mut self) -> Result<Part, &'static str> {
+    fn quoted(&mut self) -> Result<PathPart, &'static str> {
         let rest = self.rest();
         let mut is_escaped = true;
         let end = rest.find(|character| {
@@ -131,7 +131,7 @@ impl<'t> Reader<'t> {
                 let range = self.at..self.at + source.len();
                 self.at = range.end;
                 let step = Step::Key((*name).into());
-                Ok(Part { step, range })
+                Ok(PathPart { step, range })
             }
         }
     }

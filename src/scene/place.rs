@@ -4,8 +4,8 @@ use std::io::Read;
 
 use crate::{
     data::{
-        fault::{At, BadRows, Blamed, Fault, Part, most_listed},
-        table::{Bad, Format, Kind, Names, Table, kind::RowKind},
+        fault::{At, BadRows, Blamed, Fault, LinePart, most_listed},
+        table::{Bad, BadKind, Format, Names, Table, kind::RowKind},
     },
     diagnostic::{Code, path::Path},
     scene::{
@@ -281,7 +281,7 @@ impl Place<'_> {
             .bad()
             .iter()
             .copied()
-            .partition(|bad| bad.kind == Kind::Clamped);
+            .partition(|bad| bad.kind == BadKind::Clamped);
         let clamped = one_of_a_row(clamped);
         let numbers = wrong.into_iter().chain(clamped);
         let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
@@ -372,13 +372,13 @@ impl Place<'_> {
 
     fn bad(&self, bad: &Bad, named: &TableModel, table: &Table, format: Format) -> Problem {
         let (code, what) = match bad.kind {
-            Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
-            Kind::NotAboveZero if named.kind == RowKind::Copy => {
+            BadKind::NotFinite => (Code::InvalidTable, "expected a finite number"),
+            BadKind::NotAboveZero if named.kind == RowKind::Copy => {
                 (Code::InvalidTable, "a scale must be above 0")
             }
-            Kind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
-            Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
-            Kind::NoAxis(why) => {
+            BadKind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
+            BadKind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
+            BadKind::NoAxis(why) => {
                 let row = At::row(bad.row, table.line(bad.row));
                 let fault = if named.kind == RowKind::Copy {
                     row.fault("the axis has a squared length that is 0 or not finite in an f64")
@@ -396,13 +396,13 @@ impl Place<'_> {
         let (at, of) = (names.iter().position(|name| name == column), names.len());
         let part = match at {
             // The columns of atoms are not those of the text.
-            Some(at) if !format.is_atoms() => Part::Cell { at, of },
-            _ => Part::Number(bad.value),
+            Some(at) if !format.is_atoms() => LinePart::Cell { at, of },
+            _ => LinePart::Number(bad.value),
         };
         let cell = At::cell(bad.row, table.line(bad.row), column).part(part);
         let fault = cell.fault(format!("{what}, found `{}`", bad.value));
         let fault = match bad.kind {
-            Kind::Clamped if bad.value > 1.0 && bad.value <= 255.0 => {
+            BadKind::Clamped if bad.value > 1.0 && bad.value <= 255.0 => {
                 fault.help("8-bit values? divide by 255")
             }
             _ => fault,

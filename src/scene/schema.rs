@@ -6,7 +6,7 @@ use crate::{
     scene::{
         format::{
             animation::{CHANGING, Interpolation},
-            field::{Field, Kind, Range},
+            field::{Field, FieldKind, Range},
             scene::Model,
             thing::{Needs, Object, OneOf, Set, Thing, Type, Variant},
         },
@@ -152,18 +152,18 @@ impl Printer {
         json!({"$ref": format!("#/$defs/{name}")})
     }
 
-    fn value(&mut self, kind: Kind) -> Value {
+    fn value(&mut self, kind: FieldKind) -> Value {
         let mut node = match kind {
-            Kind::Color => return self.defined("Color", |_| color()),
-            Kind::Scale => return self.defined("Scale", |_| scale()),
-            Kind::Point => numbers(3),
-            Kind::Direction | Kind::Way => {
+            FieldKind::Color => return self.defined("Color", |_| color()),
+            FieldKind::Scale => return self.defined("Scale", |_| scale()),
+            FieldKind::Point => numbers(3),
+            FieldKind::Direction | FieldKind::Way => {
                 let mut node = numbers(3);
                 node["not"] = json!({"const": [0, 0, 0]});
                 node
             }
-            Kind::Interval => numbers(2),
-            Kind::Count { .. } | Kind::Depth => json!({"type": "integer"}),
+            FieldKind::Interval => numbers(2),
+            FieldKind::Count { .. } | FieldKind::Depth => json!({"type": "integer"}),
             _ => json!({"type": "number"}),
         };
         if let Some(range) = kind.range() {
@@ -247,43 +247,49 @@ impl Printer {
 
     /// Prints tracks, by the kinds of what their paths lead to.
     fn tracks(&mut self) -> Value {
-        type Is = fn(Kind) -> bool;
+        type Is = fn(FieldKind) -> bool;
         let element = "\\[\\s*[0-9]+\\s*\\]\\s*";
         let all: [(_, _, _, Is, _); 6] = [
             (
                 "NumberKey",
                 "a number",
-                Kind::Number,
-                Kind::has_elements,
+                FieldKind::Number,
+                FieldKind::has_elements,
                 element,
             ),
-            ("NumberKey", "a number", Kind::Number, Kind::is_number, ""),
+            (
+                "NumberKey",
+                "a number",
+                FieldKind::Number,
+                FieldKind::is_number,
+                "",
+            ),
             (
                 "ScaleKey",
                 "a number or three numbers",
-                Kind::Scale,
-                |kind| kind == Kind::Scale,
+                FieldKind::Scale,
+                |kind| kind == FieldKind::Scale,
                 "",
             ),
             (
                 "VectorKey",
                 "a point or a direction",
-                Kind::Point,
-                Kind::is_vector,
+                FieldKind::Point,
+                FieldKind::is_vector,
                 "",
             ),
             (
                 "RangeKey",
                 "a range",
-                Kind::Interval,
-                |kind| kind == Kind::Interval,
+                FieldKind::Interval,
+                |kind| kind == FieldKind::Interval,
                 "",
             ),
             (
                 "ColorKey",
                 "a color",
-                Kind::Color,
-                |kind| kind == Kind::Color,
+                FieldKind::Color,
+                |kind| kind == FieldKind::Color,
                 "",
             ),
         ];
@@ -297,7 +303,7 @@ impl Printer {
     }
 
     /// Prints a key; `what` describes its value in a few words.
-    fn key(&mut self, what: &str, value: Kind) -> Value {
+    fn key(&mut self, what: &str, value: FieldKind) -> Value {
         let value = self.value(value);
         let step = self.of(Interpolation::of_type());
         json!({
@@ -331,7 +337,7 @@ fn given_of(set: &Set, object: &Object) -> Value {
 
 /// Returns the pattern of the paths to the fields of some kinds. Of what lies between the first and
 /// the last name it knows nothing.
-fn paths(is_it: fn(Kind) -> bool, end: &str) -> String {
+fn paths(is_it: fn(FieldKind) -> bool, end: &str) -> String {
     let roots = CHANGING.iter().filter_map(|(root, fields)| {
         let names = fields.iter().filter(|field| is_it(field.kind));
         let names: Vec<_> = names.map(|field| field.name).collect();

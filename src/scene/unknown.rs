@@ -9,7 +9,7 @@ use crate::{
             light::LightModel,
             scene::Model,
         },
-        path::Part,
+        path::PathPart,
     },
     text::nearest::{nearest, one_of, quote},
 };
@@ -33,7 +33,7 @@ pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
 
 /// Replaces the name of a light by its index, and that of a geometry by the steps that lead to it.
 /// Fails for a path that leads into a part.
-pub(crate) fn index_of_name(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnostic> {
+pub(crate) fn index_of_name(model: &Model, steps: &mut Vec<PathPart>) -> Result<(), Diagnostic> {
     let [list, element, ..] = &mut **steps else {
         return Ok(());
     };
@@ -53,7 +53,7 @@ pub(crate) fn index_of_name(model: &Model, steps: &mut Vec<Part>) -> Result<(), 
 
 /// Replaces the names of geometries by their places: a name in the scene's list is that of any
 /// geometry, one in the list of another geometry is that of an element.
-fn index_of_geometry(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnostic> {
+fn index_of_geometry(model: &Model, steps: &mut Vec<PathPart>) -> Result<(), Diagnostic> {
     let Some(element) = steps.get_mut(1) else {
         return Ok(());
     };
@@ -65,7 +65,7 @@ fn index_of_geometry(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnos
         Some((at, _)) => {
             let range = element.range.clone();
             let path = model.path_of(at);
-            let way = path.steps().iter().skip(1).map(|step| Part {
+            let way = path.steps().iter().skip(1).map(|step| PathPart {
                 step: step.clone(),
                 range: range.clone(),
             });
@@ -87,7 +87,7 @@ fn index_of_geometry(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnos
         let around = model.geometry(at);
         let mut lists = around.into_iter().flat_map(GeometryModel::inside);
         let list = lists.find(|inside| {
-            let is_it = rest.first().and_then(Part::name) == Some(inside.field);
+            let is_it = rest.first().and_then(PathPart::name) == Some(inside.field);
             is_it && inside.is_list
         });
         let (Some(list), Some(element)) = (list, steps.get_mut(at_field + 1)) else {
@@ -100,14 +100,17 @@ fn index_of_geometry(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnos
 }
 
 /// Returns the innermost geometry on a path, and the steps in it.
-pub(crate) fn geometry_on<'s>(model: &Model, steps: &'s [Part]) -> Option<(Ordinal, &'s [Part])> {
+pub(crate) fn geometry_on<'s>(
+    model: &Model,
+    steps: &'s [PathPart],
+) -> Option<(Ordinal, &'s [PathPart])> {
     let path: Vec<_> = steps.iter().map(|part| part.step.clone()).collect();
     let (at, count) = model.geometry_on(&path)?;
     Some((at, steps.get(count..)?))
 }
 
 /// Rejects a path that leads on into the file of a part.
-fn outside_of_parts(model: &Model, steps: &[Part]) -> Result<(), Diagnostic> {
+fn outside_of_parts(model: &Model, steps: &[PathPart]) -> Result<(), Diagnostic> {
     let found = geometry_on(model, steps);
     let part = found.and_then(|(at, inside)| Some((model.geometry(at)?.part()?, inside.first()?)));
     let Some((part, next)) = part else {
@@ -128,7 +131,7 @@ fn outside_of_parts(model: &Model, steps: &[Part]) -> Result<(), Diagnostic> {
 fn index_in<'m>(
     [what, owner]: [&str; 2],
     names: impl ExactSizeIterator<Item = Option<&'m str>> + Clone,
-    element: &mut Part,
+    element: &mut PathPart,
 ) -> Result<(), Diagnostic> {
     let count = names.len();
     let unknown = |message| Diagnostic::new(Code::UnknownPath, element.range.clone(), message);

@@ -33,7 +33,7 @@ const LEAST_DEPTH: f64 = 1e-9;
 
 /// The space that a camera sees: in front of the eye plane and between the outermost rays, those
 /// through the outer edges of the outermost pixels.
-pub(crate) struct View {
+pub(crate) struct ViewSpace {
     /// Points `p` in the view satisfy `(p - origin)·normal >= 0` for all of these.
     sides: Vec<Side>,
     /// The four corner rays as (origin, direction); all others are means of them.
@@ -73,7 +73,7 @@ impl Side {
     }
 }
 
-impl View {
+impl ViewSpace {
     /// Returns the view of a camera in a picture of this size; `None` if the size is invalid, or if
     /// the angle is too wide for certainty.
     pub(crate) fn of(camera: &Camera, (width, height): (u32, u32)) -> Option<Self> {
@@ -198,11 +198,11 @@ mod tests {
 
     const WHITE: ColorModel = ColorModel::Hex([255; 3]);
 
-    fn view(camera: CameraModel) -> View {
-        View::of(&camera.build().unwrap(), ImageModel::default().sides()).unwrap()
+    fn view(camera: CameraModel) -> ViewSpace {
+        ViewSpace::of(&camera.build().unwrap(), ImageModel::default().sides()).unwrap()
     }
 
-    fn perspective() -> View {
+    fn perspective() -> ViewSpace {
         view(CameraModel::Perspective(PerspectiveModel {
             eye: [0.0; 3],
             gaze: Some([0.0, 0.0, -1.0]),
@@ -212,7 +212,7 @@ mod tests {
         }))
     }
 
-    fn orthographic() -> View {
+    fn orthographic() -> ViewSpace {
         view(CameraModel::Orthographic(OrthographicModel {
             eye: [0.0; 3],
             gaze: Some([0.0, 0.0, -1.0]),
@@ -231,7 +231,7 @@ mod tests {
         }
     }
 
-    fn misses(view: &View, center: [f64; 3], radius: f64) -> bool {
+    fn misses(view: &ViewSpace, center: [f64; 3], radius: f64) -> bool {
         let sphere = GeometryModel::Sphere(SphereModel {
             center,
             radius,
@@ -242,7 +242,7 @@ mod tests {
         view.certainly_misses(&leaf(&sphere), &Tables::default())
     }
 
-    fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
+    fn misses_plane(view: &ViewSpace, point: [f64; 3], normal: [f64; 3]) -> bool {
         let plane = GeometryModel::Plane(PlaneModel {
             point,
             normal: normal.into(),

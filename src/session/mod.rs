@@ -21,7 +21,7 @@ use std::{
 
 pub use additions::PartList;
 pub use camera::Motion;
-pub use parts::Part;
+pub use parts::ScenePart;
 pub use turns::Turns;
 pub use view::{Quality, Seen, View};
 

@@ -8,7 +8,7 @@ use crate::{
     diagnostic::error::Error,
     pipeline::Scene,
     scene::{
-        format::{field::Kind, geometry::GeometryModel},
+        format::{field::FieldKind, geometry::GeometryModel},
         origin::Origin,
     },
     session::{
@@ -130,7 +130,7 @@ impl Checked {
         let fields = GeometryModel::VARIANTS
             .iter()
             .flat_map(|variant| variant.fields());
-        let places = fields.filter(|field| field.kind == Kind::Point);
+        let places = fields.filter(|field| field.kind == FieldKind::Point);
         let places: BTreeSet<_> = places.map(|field| field.name).collect();
         let found = places.into_iter().map(|name| path.field(name));
         let found = found.filter_map(|path| Some((rewrite.read_vector(&path)?, path)));

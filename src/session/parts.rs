@@ -14,7 +14,7 @@ use crate::{
 
 /// A camera, a light or a geometry of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct ScenePart {
     /// The kind: a camera, a light or a geometry.
     pub kind: SymbolKind,
     /// The name, or the index in brackets.
@@ -34,7 +34,7 @@ const HIDDEN: [&str; 2] = ["/* hidden: ", " */"];
 
 impl Checked {
     /// Returns the parts of the text, in its order, those that are hidden among them.
-    pub fn parts(&self) -> Vec<Part> {
+    pub fn parts(&self) -> Vec<ScenePart> {
         let mut parts = Vec::new();
         for symbol in self.document.source().symbols() {
             if symbol.kind == SymbolKind::Camera {
@@ -50,7 +50,7 @@ impl Checked {
     }
 
     /// Returns the hidden parts of a list.
-    fn hidden(&self, list: &Symbol) -> Vec<Part> {
+    fn hidden(&self, list: &Symbol) -> Vec<ScenePart> {
         let (text, tree) = (self.document.text(), self.document.source().tree());
         let comments = tree.comments_in(list.range.clone()).iter();
         let parts = comments.filter_map(|comment| {
@@ -59,7 +59,7 @@ impl Checked {
             let content = format!("({}: [{}])", list.name, content.strip_suffix(HIDDEN[1])?);
             let symbols = Source::new(content, Syntax::Ron).symbols();
             let symbol = symbols.first()?.children.first()?.clone();
-            Some(Part {
+            Some(ScenePart {
                 kind: symbol.kind,
                 name: symbol.name,
                 variant: symbol.detail,
@@ -125,8 +125,8 @@ fn level_at(symbols: &[Symbol], at: usize) -> usize {
         .map_or(0, |symbol| 1 + level_at(&symbol.children, at))
 }
 
-fn add(parts: &mut Vec<Part>, symbol: &Symbol, level: usize) {
-    parts.push(Part {
+fn add(parts: &mut Vec<ScenePart>, symbol: &Symbol, level: usize) {
+    parts.push(ScenePart {
         kind: symbol.kind,
         name: symbol.name.clone(),
         variant: symbol.detail.clone(),

@@ -163,12 +163,12 @@ impl<'a> Lines<'a> {
 
 /// The start and the exclusive end of a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct LineRange {
     pub(crate) start: Position,
     pub(crate) end: Position,
 }
 
-impl Place {
+impl LineRange {
     pub(crate) fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
         let start = lines.position(range.start);
         // Most ranges are short or empty, and finding a column takes time linear in the line

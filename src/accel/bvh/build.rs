@@ -107,7 +107,7 @@ const NOBODY: u32 = u32::MAX;
 const TOGETHER: usize = 1 << 10;
 
 /// A part of a node: its items and their bounding box.
-type Part<'a> = (&'a mut [Item], Bounds);
+type NodePart<'a> = (&'a mut [Item], Bounds);
 
 impl<'a> Builder<'a> {
     /// Creates the resources of a building that nothing ends early.
@@ -197,13 +197,13 @@ impl Builder<'_> {
     }
 
     /// Splits items into the parts of a node: the part that costs rays most is always split next.
-    fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
+    fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<NodePart<'a>> {
         let (by_cost, is_long) = (level < BY_COST, items.len() > OFTEN);
         let mut parts = Vec::with_capacity(LANES);
         let bounds = self.isa.run(Surround(items));
         parts.push((items, bounds));
         while parts.len() < LANES && !(is_long && self.is_cancelled()) {
-            let weight = |(items, bounds): &Part<'_>| match items.len() {
+            let weight = |(items, bounds): &NodePart<'_>| match items.len() {
                 0..=LANES => -1.0,
                 _ if by_cost => bounds.half_area(),
                 count => count as f32,

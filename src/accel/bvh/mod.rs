@@ -16,7 +16,7 @@ use crate::{
         bvh::{
             build::{Builder, Lists},
             frame::{Frame, Hull, Probe},
-            node::{Leaf, Link, Node, Place},
+            node::{Leaf, Link, LinkTarget, Node},
             split::Item,
             walk::{Crossings, Nearest, Walk},
         },
@@ -106,12 +106,12 @@ impl Tree {
         let mut links = vec![self.root];
         while let Some(link) = links.pop() {
             match link.place() {
-                Place::Node(number) => {
+                LinkTarget::Node(number) => {
                     let node = &self.nodes[number];
                     let lanes = (0..LANES).filter(|lane| is_around(node, *lane));
                     links.extend(lanes.map(|lane| node.links[lane]));
                 }
-                Place::Leaf(number) => see(number),
+                LinkTarget::Leaf(number) => see(number),
             }
         }
     }

@@ -36,7 +36,7 @@ pub(super) struct Leaf {
 pub(crate) struct Link(pub(super) u32);
 
 /// The target of a [`Link`], by its index.
-pub(super) enum Place {
+pub(super) enum LinkTarget {
     Node(usize),
     Leaf(usize),
 }
@@ -86,19 +86,19 @@ impl Link {
     }
 
     #[inline(always)]
-    pub(super) const fn place(self) -> Place {
+    pub(super) const fn place(self) -> LinkTarget {
         if self.0 & Self::LEAF == 0 {
-            Place::Node(self.0 as usize)
+            LinkTarget::Node(self.0 as usize)
         } else {
-            Place::Leaf((self.0 & !Self::LEAF) as usize)
+            LinkTarget::Leaf((self.0 & !Self::LEAF) as usize)
         }
     }
 
     /// Returns the link after its tree has been appended to this many nodes and leaves.
     pub(super) const fn moved(self, nodes: usize, leaves: usize) -> Self {
         match self.place() {
-            Place::Node(number) => Self::node(number + nodes),
-            Place::Leaf(number) => Self::leaf(number + leaves),
+            LinkTarget::Node(number) => Self::node(number + nodes),
+            LinkTarget::Leaf(number) => Self::leaf(number + leaves),
         }
     }
 }

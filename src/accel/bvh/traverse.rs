@@ -5,7 +5,7 @@ use crate::{
     accel::bvh::{
         Tree,
         frame::{Beam, Probe, SMALLEST},
-        node::{Link, Node, Place},
+        node::{Link, LinkTarget, Node},
     },
     simd::{F32x8, LANES, Simd},
 };
@@ -59,7 +59,7 @@ impl Tree {
         let mut link = self.root;
         loop {
             match link.place() {
-                Place::Node(number) => {
+                LinkTarget::Node(number) => {
                     let node = &nodes[number];
                     let (met, enter) = rays.boxes(simd, node, farthest);
                     if met != 0 {
@@ -68,7 +68,7 @@ impl Tree {
                         continue;
                     }
                 }
-                Place::Leaf(number) => {
+                LinkTarget::Leaf(number) => {
                     if seek.visit(simd, number) {
                         if K::ANY {
                             return;
@@ -88,8 +88,8 @@ impl Tree {
 #[inline(always)]
 fn prefetch<S: Simd>(simd: S, nodes: &[Node], seek: &impl Seek<S>, link: Link) {
     match link.place() {
-        Place::Node(number) => simd.prefetch(&nodes[number]),
-        Place::Leaf(number) => seek.prefetch(simd, number),
+        LinkTarget::Node(number) => simd.prefetch(&nodes[number]),
+        LinkTarget::Leaf(number) => seek.prefetch(simd, number),
     }
 }
 

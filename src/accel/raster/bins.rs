@@ -9,7 +9,7 @@ use crate::{
         raster::{
             footprint::{Footprint, Project, Projected, Region},
             grouping::TILE,
-            view::View,
+            view::RasterView,
         },
     },
     tracer::world::World,
@@ -45,7 +45,7 @@ impl Bins {
     /// Bins the geometries that a region sees; `None` if that would take too much memory and
     /// smaller regions would take less.
     pub(crate) fn new(
-        view: &View,
+        view: &RasterView,
         world: &World,
         region: Region,
         builder: Builder<'_>,
@@ -103,7 +103,7 @@ impl Bins {
     }
 
     /// Returns a row of tiles, counted from the top of the region.
-    pub(super) fn row(&self, down: u32) -> Row<'_> {
+    pub(super) fn row(&self, down: u32) -> TileRow<'_> {
         let group = (down >> self.shift) as usize;
         let first = (group << self.shift) as u32;
         let stride = stride(self.region);
@@ -113,7 +113,7 @@ impl Bins {
             Group::sort(footprints, stride, &(first..end), self.layout)
         });
         let first = (down - first) as usize * stride;
-        Row {
+        TileRow {
             starts: &group.starts[first..first + stride],
             entries: &group.entries,
         }
@@ -127,13 +127,13 @@ fn stride(region: Region) -> usize {
 }
 
 /// A row of tiles.
-pub(super) struct Row<'a> {
+pub(super) struct TileRow<'a> {
     /// The start of each tile's entries, and the end of the last.
     starts: &'a [u32],
     entries: &'a [u64],
 }
 
-impl<'a> Row<'a> {
+impl<'a> TileRow<'a> {
     /// Returns the entries of a tile, counted from the left of the region.
     pub(super) fn entries(&self, across: u32) -> &'a [u64] {
         let across = across as usize;

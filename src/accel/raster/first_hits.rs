@@ -12,7 +12,7 @@ use crate::{
             planes::NumberedPlane,
             samples::DrawSamples,
             tile::Draw,
-            view::{Grid, View},
+            view::{Grid, RasterView},
         },
     },
     diagnostic::error::Error,
@@ -30,7 +30,7 @@ const AHEAD: usize = 128;
 /// A search for the geometry that each pixel of a picture sees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FirstHits<'a> {
-    view: View<'a>,
+    view: RasterView<'a>,
     world: &'a World,
     isa: Isa,
 }
@@ -107,7 +107,7 @@ impl<'a> FirstHits<'a> {
         isa: Isa,
     ) -> Self {
         Self {
-            view: View::new(camera, size, samples),
+            view: RasterView::new(camera, size, samples),
             world,
             isa,
         }
@@ -123,7 +123,7 @@ impl<'a> FirstHits<'a> {
         isa: Isa,
     ) -> Self {
         Self {
-            view: View::fine(camera, size, samples),
+            view: RasterView::fine(camera, size, samples),
             world,
             isa,
         }

@@ -6,7 +6,7 @@ use crate::{
         raster::{
             planes::NumberedPlane,
             rays::{Parallel, Pinhole},
-            view::{HUGE, View},
+            view::{HUGE, RasterView},
         },
     },
     simd::{F64x8, Simd},
@@ -18,7 +18,8 @@ pub(super) trait PlaneBounds<S: Simd> {
     type Terms: Copy;
 
     /// Returns the terms of a plane; `None` if no bounds are known.
-    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms>;
+    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &RasterView)
+    -> Option<Self::Terms>;
 
     /// Returns the smallest t at which a ray of a pixel may hit a plane, and the largest t by which
     /// all have hit it.
@@ -30,7 +31,12 @@ impl<S: Simd> PlaneBounds<S> for Pinhole {
     type Terms = ([S::F64; 3], S::F64, S::F64);
 
     #[inline(always)]
-    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms> {
+    fn plane_terms(
+        &self,
+        simd: S,
+        plane: &NumberedPlane,
+        view: &RasterView,
+    ) -> Option<Self::Terms> {
         let normal = plane.plane.normal();
         let (length, distance) = (normal.length(), plane.from_eye.abs());
         let change = (1.01 * view.spread() + 1e-7) * length;
@@ -67,7 +73,12 @@ impl<S: Simd> PlaneBounds<S> for Parallel {
     type Terms = ([S::F64; 3], [S::F64; 3], S::F64, S::F64);
 
     #[inline(always)]
-    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms> {
+    fn plane_terms(
+        &self,
+        simd: S,
+        plane: &NumberedPlane,
+        view: &RasterView,
+    ) -> Option<Self::Terms> {
         let (at, normal) = (plane.plane.point(), plane.plane.normal());
         let (length, toward) = (normal.length(), self.direction.dot(normal));
         let far = (at - view.camera.eye()).length() + view.reach();

@@ -15,7 +15,7 @@ use crate::{
             grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
             planes::{NumberedPlane, relevant},
             rays::{Parallel, Pinhole, Rays},
-            view::{Grid, View},
+            view::{Grid, RasterView},
         },
     },
     film::colors::NOTHING,
@@ -43,7 +43,7 @@ pub(super) type Groups = [[f64; LANES]; GROUPS];
 
 /// The kernel that draws some tiles of a tile row.
 pub(super) struct Draw<'a> {
-    pub(super) view: &'a View<'a>,
+    pub(super) view: &'a RasterView<'a>,
     pub(super) world: &'a World,
     pub(super) planes: &'a [NumberedPlane],
     pub(super) grid: &'a Grid,

@@ -19,7 +19,7 @@ use crate::{
 
 /// A camera's picture of a given size.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct View<'a> {
+pub(crate) struct RasterView<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: Size,
     pub(super) samples: Samples,
@@ -72,7 +72,7 @@ const SKEW: f64 = 1e-8;
 /// The bound for numbers: those above it, or below its reciprocal, overflow somewhere.
 pub(super) const HUGE: f64 = 1e100;
 
-impl<'a> View<'a> {
+impl<'a> RasterView<'a> {
     pub(crate) fn new(camera: &'a Camera, size: Size, samples: Samples) -> Self {
         let mut screen = Screen::new(camera, size);
         if let Some(screen) = &mut screen

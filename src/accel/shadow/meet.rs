@@ -8,7 +8,7 @@ use crate::{
         lanes::{Divide, bits, dot, splat3, sub},
         prefetch_inside,
         shadow::{
-            Casting, Found, Points, Toward,
+            Casting, FoundShadows, Points, Toward,
             lists::{Eight, Lists},
         },
     },
@@ -88,7 +88,12 @@ impl<'a> Casting<'a> {
     /// `last` is the sphere that shadowed the last points, or [`NOTHING`]: it is likely to shadow
     /// their neighbors.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&self, simd: S, points: &Points<S>, last: &mut u32) -> Found {
+    pub(super) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        points: &Points<S>,
+        last: &mut u32,
+    ) -> FoundShadows {
         let origin = points.at;
         let direction = match self.toward {
             Toward::Point(light) => sub(splat3(simd, light), origin),
@@ -128,7 +133,7 @@ impl<'a> Casting<'a> {
                 None => open = lit,
             }
         }
-        Found {
+        FoundShadows {
             dark: points.asked & !lit,
             open: open & lit,
         }

@@ -85,7 +85,7 @@ pub(crate) struct Points<'a, S: Simd> {
 
 /// The shadows on eight points, lane i as bit i.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct FoundShadows {
     /// The points in shadow.
     pub(crate) dark: u8,
     /// The points of which nothing is known; all others are not in shadow.

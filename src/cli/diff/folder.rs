@@ -14,7 +14,7 @@ use super::{
     super::Failure,
     Args,
     results::Results,
-    row::{Images, Row, Shown, Verdict, compare, same_bytes},
+    row::{Images, PicturePair, Shown, Verdict, compare, same_bytes},
 };
 
 /// The extensions of pictures that are read but not written.
@@ -113,20 +113,20 @@ fn one(
     options: &CompareOptions,
     (name, sides): (&Path, Sides),
     images: Images,
-) -> (Row, Option<Shown>) {
+) -> (PicturePair, Option<Shown>) {
     let start = Instant::now();
     let (a, b) = (args.a.join(name), args.b.join(name));
     let (row, shown) = match sides {
-        [true, false] => (Row::new(name, Verdict::Missing), None),
-        [false, _] => (Row::new(name, Verdict::Extra), None),
+        [true, false] => (PicturePair::new(name, Verdict::Missing), None),
+        [false, _] => (PicturePair::new(name, Verdict::Extra), None),
         [true, true] if same_bytes(&a, &b).unwrap_or_default() => {
-            (Row::new(name, Verdict::Equal), None)
+            (PicturePair::new(name, Verdict::Equal), None)
         }
         [true, true] => match compare([&a, &b], args, options, images) {
-            Ok((report, shown)) => (Row::compared(name, report), shown),
-            Err(error) => (Row::unreadable(name, &error), None),
+            Ok((report, shown)) => (PicturePair::compared(name, report), shown),
+            Err(error) => (PicturePair::unreadable(name, &error), None),
         },
     };
     let time = start.elapsed();
-    (Row { time, ..row }, shown)
+    (PicturePair { time, ..row }, shown)
 }

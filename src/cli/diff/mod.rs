@@ -22,7 +22,7 @@ use self::{
     folder::Pairs,
     limits::Limits,
     results::Results,
-    row::{Images, Row, compare},
+    row::{Images, PicturePair, compare},
 };
 use super::{Failure, interrupt, paths::is_same, scene::ThreadArgs};
 
@@ -109,9 +109,9 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         true => compare(sides, &args, &options, images)?.1,
         false => None,
     };
-    let row = Row::compared(&args.b, report);
+    let row = PicturePair::compared(&args.b, report);
     let time = start.elapsed();
-    results.take(Row { time, ..row }, shown)?;
+    results.take(PicturePair { time, ..row }, shown)?;
     results.finish(0)
 }
 

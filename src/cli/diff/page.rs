@@ -11,7 +11,7 @@ use std::{
 
 use strahl::report::escaped;
 
-use super::row::{Row, Shown, Verdict};
+use super::row::{PicturePair, Shown, Verdict};
 
 /// The maximum number of bytes of pictures, as encoded in the page.
 const MOST_BYTES: usize = 64 << 20;
@@ -54,7 +54,7 @@ impl Page {
     }
 
     /// Adds a picture that differs. Once one does not fit, no more are shown.
-    pub(super) fn add(&mut self, row: &Row, shown: Option<&Shown>) {
+    pub(super) fn add(&mut self, row: &PicturePair, shown: Option<&Shown>) {
         if row.result != Verdict::Different {
             return;
         }
@@ -93,7 +93,7 @@ impl Page {
     }
 
     /// Returns the whole page.
-    pub(super) fn finish(&self, sides: [&Path; 2], rows: &[Row], summary: &str) -> String {
+    pub(super) fn finish(&self, sides: [&Path; 2], rows: &[PicturePair], summary: &str) -> String {
         let [golden, new] = sides.map(|side| escaped(&side.to_string_lossy()));
         let mut page = format!(
             "{HEAD}<h1>{golden} and {new}</h1>\n<p>{}</p>\n",

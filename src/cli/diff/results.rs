@@ -23,7 +23,7 @@ use super::{
     super::Failure,
     Args, Format,
     page::Page,
-    row::{Row, Shown, Verdict},
+    row::{PicturePair, Shown, Verdict},
 };
 
 /// The results of all pictures.
@@ -33,7 +33,7 @@ pub(super) struct Results<'a> {
     /// True if names are relative to folders.
     of_folders: bool,
     page: Page,
-    rows: Vec<Row>,
+    rows: Vec<PicturePair>,
 }
 
 impl<'a> Results<'a> {
@@ -52,7 +52,11 @@ impl<'a> Results<'a> {
     }
 
     /// Takes the result of a pair.
-    pub(super) fn take(&mut self, mut row: Row, shown: Option<Shown>) -> Result<(), Failure> {
+    pub(super) fn take(
+        &mut self,
+        mut row: PicturePair,
+        shown: Option<Shown>,
+    ) -> Result<(), Failure> {
         if self.of_folders
             && let Some(folder) = &self.args.output
             && let Some(heat) = shown.as_ref().and_then(|shown| shown.heat.as_deref())
@@ -106,7 +110,7 @@ impl<'a> Results<'a> {
         let mut rows = self.rows.iter();
         let result = if summary.counts.get(&Verdict::Unreadable) > Some(&0) {
             Err(Failure::Reported)
-        } else if rows.any(Row::fails) {
+        } else if rows.any(PicturePair::fails) {
             Err(Failure::Found)
         } else {
             Ok(())
@@ -164,7 +168,7 @@ impl<'a> Results<'a> {
             a: String,
             b: String,
             summary: &'a Summary,
-            pictures: &'a [Row],
+            pictures: &'a [PicturePair],
         }
         if let [row] = &*self.rows
             && let (false, Some(report)) = (self.of_folders, &row.compared)
@@ -209,7 +213,7 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    fn new(rows: &[Row], skipped: u64) -> Self {
+    fn new(rows: &[PicturePair], skipped: u64) -> Self {
         let count = |kind| rows.iter().filter(|row| row.result == kind).count();
         Self {
             counts: Verdict::ALL.map(|kind| (kind, count(kind))).into(),
@@ -237,7 +241,7 @@ impl Summary {
 }
 
 /// Returns the JUnit XML, with a test for each picture.
-fn junit(rows: &[Row]) -> Result<String, Failure> {
+fn junit(rows: &[PicturePair]) -> Result<String, Failure> {
     let mut junit = JunitWriter::new(Vec::new(), "strahl diff");
     let mut write = || {
         for row in rows {

@@ -56,7 +56,7 @@ impl Verdict {
 
 /// A pair of pictures with the same name.
 #[derive(Serialize)]
-pub(super) struct Row {
+pub(super) struct PicturePair {
     #[serde(rename = "file", serialize_with = "lossy")]
     pub(super) name: PathBuf,
     pub(super) result: Verdict,
@@ -72,7 +72,7 @@ fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
 }
 
-impl Row {
+impl PicturePair {
     pub(super) fn new(name: &Path, result: Verdict) -> Self {
         Self {
             name: name.to_owned(),

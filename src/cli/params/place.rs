@@ -9,7 +9,7 @@ use strahl::{
     scene::{FieldLookup, Setting},
 };
 
-use super::{Columns, Format, Params, Row};
+use super::{Columns, Format, Params, ParamsRow};
 use crate::cli::Failure;
 
 /// The column that numbers the rows.
@@ -234,7 +234,7 @@ impl Params {
 
     /// Returns the place of a column name: in the header, or in the first row that has the column.
     fn head(&self, index: usize, column: &str) -> (&Line, Range<usize>) {
-        let has_it = |row: &&Row| row.cells.get(index).is_some_and(Option::is_some);
+        let has_it = |row: &&ParamsRow| row.cells.get(index).is_some_and(Option::is_some);
         let line = match self.format {
             Format::Csv => &self.header,
             Format::Json => self

@@ -3,7 +3,7 @@
 use axum::Json;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
-use strahl::session::{Part, PartList};
+use strahl::session::{PartList, ScenePart};
 
 use super::{
     desk::Desk,
@@ -21,7 +21,7 @@ pub(super) fn list(desk: &Desk, asked: Version) -> Answer {
     let lines = document.lines();
     let parts = checked.parts();
     let more = parts.len().saturating_sub(MOST);
-    let placed = |part: Part| {
+    let placed = |part: ScenePart| {
         let span = PageSpan::new(&lines, &part.range);
         json!({
             "kind": part.kind.name(),

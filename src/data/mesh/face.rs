@@ -4,7 +4,7 @@ use crate::data::{
     fault::ReadError,
     mesh::{
         Flaw, MeshFile,
-        place::Place,
+        place::FilePlace,
         polygon::{self, Fan, Polygon},
         push,
     },
@@ -17,7 +17,7 @@ pub(super) struct Early {
     first: usize,
     /// The number of corners.
     corners: usize,
-    place: Place,
+    place: FilePlace,
 }
 
 /// The most work for polygons that are not fans, in a file: it takes seconds.
@@ -29,7 +29,7 @@ const MOST_CORNERS: usize = 1 << 20;
 impl MeshFile {
     /// Adds the triangles of a face, two less than it has corners.
     #[inline(always)]
-    pub(super) fn add_face(&mut self, corners: &[u32], place: Place) -> Result<(), ReadError> {
+    pub(super) fn add_face(&mut self, corners: &[u32], place: FilePlace) -> Result<(), ReadError> {
         let [first, second, rest @ ..] = corners else {
             self.few_corners(corners, place);
             return Ok(());
@@ -62,7 +62,7 @@ impl MeshFile {
 
     /// Notes the line of the face that starts with a triangle.
     #[inline(always)]
-    pub(super) fn start_face(&mut self, first: usize, place: Place) -> Result<(), ReadError> {
+    pub(super) fn start_face(&mut self, first: usize, place: FilePlace) -> Result<(), ReadError> {
         match place.text_line() {
             Some(line) => Ok(self.lines.add(first, line)?),
             None => Ok(()),
@@ -95,7 +95,7 @@ impl MeshFile {
     }
 
     #[cold]
-    fn few_corners(&mut self, corners: &[u32], place: Place) {
+    fn few_corners(&mut self, corners: &[u32], place: FilePlace) {
         self.note(Flaw::Corners, || {
             let corners = match corners.len() {
                 1 => "1 corner".to_owned(),

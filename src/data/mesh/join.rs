@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::data::{
     fault::ReadError,
-    mesh::{MeshFile, place::Place},
+    mesh::{MeshFile, place::FilePlace},
 };
 
 /// A hash table of the vertices of a mesh by their bits: 8 bytes for a vertex or a little more, a
@@ -31,7 +31,7 @@ impl Joined {
         &mut self,
         at: DVec3,
         mesh: &mut MeshFile,
-        place: Place,
+        place: FilePlace,
     ) -> Result<u32, ReadError> {
         // Adding 0 turns -0 into 0, which is the same point.
         let at = at + DVec3::ZERO;

@@ -31,8 +31,8 @@ pub(crate) use flaw::{Flaw, Note};
 
 use crate::{
     data::{
-        fault::{At, Fault, Part, ReadError, most_listed},
-        mesh::{face::Early, lines::Lines, place::Place, stream::Stream},
+        fault::{At, Fault, LinePart, ReadError, most_listed},
+        mesh::{face::Early, lines::Lines, place::FilePlace, stream::Stream},
         table::Names,
     },
     parallel::Cancel,
@@ -118,7 +118,7 @@ pub(crate) struct MeshFile {
 /// A number of a vertex that is not finite.
 #[derive(Clone, Copy, Debug)]
 struct NotFinite {
-    place: Place,
+    place: FilePlace,
     /// The color channel, if it is one.
     channel: Option<f64>,
 }
@@ -242,7 +242,7 @@ impl MeshFile {
 
     /// Adds a vertex.
     #[inline(always)]
-    fn add_vertex(&mut self, at: DVec3, place: Place) -> Result<(), ReadError> {
+    fn add_vertex(&mut self, at: DVec3, place: FilePlace) -> Result<(), ReadError> {
         if !at.is_finite() {
             self.unsure(self.vertices.len(), place, None)?;
         }
@@ -251,7 +251,7 @@ impl MeshFile {
 
     /// Adds the color of a vertex.
     #[inline(always)]
-    fn add_color(&mut self, color: [f64; 3], place: Place) -> Result<(), ReadError> {
+    fn add_color(&mut self, color: [f64; 3], place: FilePlace) -> Result<(), ReadError> {
         if let Some(channel) = self.clamp(color, place) {
             self.unsure(self.colors.len(), place, Some(channel))?;
         }
@@ -260,7 +260,7 @@ impl MeshFile {
 
     /// Gives a color to the triangles that have none yet, which are those of the last face.
     #[inline(always)]
-    fn color_triangles(&mut self, color: [f64; 3], place: Place) -> Result<(), ReadError> {
+    fn color_triangles(&mut self, color: [f64; 3], place: FilePlace) -> Result<(), ReadError> {
         if let Some(channel) = self.clamp(color, place) {
             self.note(Flaw::NotFinite, || not_a_channel(channel, place));
         }
@@ -272,7 +272,7 @@ impl MeshFile {
 
     /// Warns about a channel that is clamped, and returns one that is not finite.
     #[inline(always)]
-    fn clamp(&mut self, color: [f64; 3], place: Place) -> Option<f64> {
+    fn clamp(&mut self, color: [f64; 3], place: FilePlace) -> Option<f64> {
         let mut channels = color.into_iter();
         let channel = channels.find(|channel| !(0.0..=1.0).contains(channel))?;
         if !channel.is_finite() {
@@ -280,7 +280,7 @@ impl MeshFile {
         }
         self.note(Flaw::Clamped, || {
             let what = "a color channel is clamped to 0..1";
-            let at = place.at().part(Part::Number(channel));
+            let at = place.at().part(LinePart::Number(channel));
             at.fault(format!("{what}, found `{channel}`"))
         });
         None
@@ -290,7 +290,7 @@ impl MeshFile {
     fn unsure(
         &mut self,
         vertex: usize,
-        place: Place,
+        place: FilePlace,
         channel: Option<f64>,
     ) -> Result<(), ReadError> {
         // Fits, or the vertex is refused.
@@ -414,18 +414,18 @@ fn reserve<T>(all: &mut Vec<T>, count: usize) -> io::Result<()> {
 }
 
 #[cold]
-fn not_a_channel(channel: f64, place: Place) -> Fault {
-    let at = place.at().part(Part::Number(channel));
+fn not_a_channel(channel: f64, place: FilePlace) -> Fault {
+    let at = place.at().part(LinePart::Number(channel));
     at.fault(format!("expected a finite number, found `{channel}`"))
 }
 
 #[cold]
-fn not_finite(at: DVec3, place: Place) -> Fault {
+fn not_finite(at: DVec3, place: FilePlace) -> Fault {
     let coordinates = COORDINATES.into_iter().zip(at.to_array());
     let mut bad = coordinates.filter(|(_, number)| !number.is_finite());
     let (name, number) = bad.next().unwrap_or_default();
     let words = format!("{place}, coordinate `{name}`");
-    let at = At::new(words, place.text_line()).part(Part::Number(number));
+    let at = At::new(words, place.text_line()).part(LinePart::Number(number));
     at.fault(format!("expected a finite number, found `{number}`"))
 }
 

@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use crate::{
     data::{
-        fault::{At, Fault, Part, ReadError, most_listed},
-        mesh::{Flaw, MOST, MeshFile, Request, place::Place, push, stream::Stream},
+        fault::{At, Fault, LinePart, ReadError, most_listed},
+        mesh::{Flaw, MOST, MeshFile, Request, place::FilePlace, push, stream::Stream},
     },
     text::nearest::quote,
     tracer::shape::mesh::MeshGroup,
@@ -179,7 +179,7 @@ impl Reader {
         line: u64,
         words: impl Iterator<Item = &'t [u8]>,
     ) -> Result<(), ReadError> {
-        let place = Place::line(line);
+        let place = FilePlace::line(line);
         let mesh = &mut self.mesh;
         let (numbers, count) = mesh.numbers(line, words);
         if !matches!(count, 3 | 4 | 6) {
@@ -243,7 +243,7 @@ impl Reader {
             }
             push(&mut self.corners, corner, "corners")?;
         }
-        self.mesh.add_face(&self.corners, Place::line(line))
+        self.mesh.add_face(&self.corners, FilePlace::line(line))
     }
 
     fn finish(mut self) -> Result<MeshFile, ReadError> {
@@ -290,6 +290,6 @@ fn missing(line: u64, index: i64, vertices: usize) -> Fault {
             format!("vertex {index} does not exist, the file has {vertices}, 1 to {vertices}")
         }
     };
-    let at = At::line(line).part(Part::Number(index as f64));
+    let at = At::line(line).part(LinePart::Number(index as f64));
     at.fault(message)
 }

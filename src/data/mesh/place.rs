@@ -6,7 +6,7 @@ use crate::data::fault::{At, Fault};
 
 /// A line or a byte of a file, and the row of an element that is there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct FilePlace {
     row: Option<(&'static str, usize)>,
     spot: Spot,
 }
@@ -17,7 +17,7 @@ enum Spot {
     Byte(u64),
 }
 
-impl Place {
+impl FilePlace {
     pub(super) const fn line(line: u64) -> Self {
         let (row, spot) = (None, Spot::Line(line));
         Self { row, spot }
@@ -62,7 +62,7 @@ impl fmt::Display for Spot {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let spot = self.spot;
         match self.row {

@@ -10,11 +10,11 @@ use glam::DVec3;
 
 use crate::{
     data::{
-        fault::{At, Fault, Part, ReadError},
-        mesh::{Flaw, MeshFile, Request, place::Place, push, reserve, stream::Stream},
+        fault::{At, Fault, LinePart, ReadError},
+        mesh::{Flaw, MeshFile, Request, place::FilePlace, push, reserve, stream::Stream},
         ply::{
             header::{Element, Encoding, Header, Type, VERTEX},
-            row::{Row, Unlike},
+            row::{PlyRow, Unlike},
             selection::{Selected, Selection},
         },
         table::layout::{COLORS, Endian, VALUE},
@@ -58,7 +58,7 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
         selection,
         of_face: None,
         vertices: vertex.rows,
-        row: Row::default(),
+        row: PlyRow::default(),
         indices: Vec::new(),
     };
     for element in &header.elements {
@@ -102,7 +102,7 @@ struct Reader {
     of_face: Option<[Selected; 3]>,
     /// The number of vertices.
     vertices: usize,
-    row: Row,
+    row: PlyRow,
     /// The corners of a face.
     indices: Vec<u32>,
 }
@@ -175,10 +175,10 @@ impl Reader {
                         cut_off(element, row, mesh);
                         return Ok(false);
                     };
-                    (Place::line(line), self.parse(text, element, &wanted))
+                    (FilePlace::line(line), self.parse(text, element, &wanted))
                 }
                 Encoding::Binary(endian) => {
-                    let place = Place::byte(file.position());
+                    let place = FilePlace::byte(file.position());
                     if !self.decode(file, element, endian, &wanted)? {
                         cut_off(element, row, mesh);
                         return Ok(false);
@@ -247,7 +247,7 @@ impl Reader {
     }
 
     #[inline(always)]
-    fn vertex(&self, mesh: &mut MeshFile, place: Place) -> Result<(), ReadError> {
+    fn vertex(&self, mesh: &mut MeshFile, place: FilePlace) -> Result<(), ReadError> {
         let columns = &self.selection.columns;
         let selected = |column: usize| columns.get(column)?.as_ref();
         // Only those of a color are divided.
@@ -269,7 +269,12 @@ impl Reader {
     }
 
     #[inline(always)]
-    fn face(&mut self, mesh: &mut MeshFile, corners: usize, place: Place) -> Result<(), ReadError> {
+    fn face(
+        &mut self,
+        mesh: &mut MeshFile,
+        corners: usize,
+        place: FilePlace,
+    ) -> Result<(), ReadError> {
         self.indices.clear();
         for number in self.row.list(corners) {
             let Some(corner) = self.corner(*number) else {
@@ -284,7 +289,7 @@ impl Reader {
 
     /// Gives the triangles of a row its color.
     #[inline(always)]
-    fn color(&self, mesh: &mut MeshFile, place: Place) -> Result<(), ReadError> {
+    fn color(&self, mesh: &mut MeshFile, place: FilePlace) -> Result<(), ReadError> {
         if let Some(color) = &self.of_face {
             let color = color.map(|channel| channel.number(self.row.number(channel.index)));
             mesh.color_triangles(color, place)?;
@@ -298,7 +303,7 @@ impl Reader {
         &mut self,
         mesh: &mut MeshFile,
         corners: usize,
-        place: Place,
+        place: FilePlace,
     ) -> Result<(), ReadError> {
         let first = mesh.triangles.len();
         for strip in self.row.list(corners).split(|number| *number == -1.0) {
@@ -337,14 +342,14 @@ impl Reader {
     }
 
     #[cold]
-    fn no_vertex(&self, mesh: &mut MeshFile, number: f64, place: Place) {
+    fn no_vertex(&self, mesh: &mut MeshFile, number: f64, place: FilePlace) {
         mesh.note(Flaw::Index, || {
             let count = self.vertices;
             let has = match count {
                 0 => "the file has none".to_owned(),
                 _ => format!("the file has {count}, 0 to {}", count - 1),
             };
-            let at = place.at().part(Part::Number(number));
+            let at = place.at().part(LinePart::Number(number));
             at.fault(format!("vertex {number} does not exist, {has}"))
         });
     }

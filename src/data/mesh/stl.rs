@@ -13,7 +13,7 @@ use crate::data::{
     bytes::BYTE_ORDER_MARK,
     fault::{Fault, ReadError},
     mesh::{
-        Flaw, MeshFile, Request, join::Joined, place::Place, push, reserve, stl_text,
+        Flaw, MeshFile, Request, join::Joined, place::FilePlace, push, reserve, stl_text,
         stream::Stream,
     },
 };
@@ -80,7 +80,7 @@ fn binary(
             let [x, y, z] = [(); 3].map(|()| f64::from(floats.next().unwrap_or_default()));
             DVec3::new(x, y, z)
         });
-        let place = Place::byte(file.position()).row("triangle", triangle);
+        let place = FilePlace::byte(file.position()).row("triangle", triangle);
         let mut indices = [0; 3];
         for (index, corner) in indices.iter_mut().zip(corners) {
             *index = joined.vertex(corner, &mut mesh, place)?;

@@ -15,7 +15,7 @@ use crate::{
             Flaw, MeshFile,
             join::Joined,
             number,
-            place::Place,
+            place::FilePlace,
             push,
             stl_facet::{Facet, is_like_a_number},
             stream::Stream,
@@ -213,12 +213,12 @@ impl Reader {
         (self.naming, self.skipped, self.may_skip_numbers) = (None, None, false);
         let mut corners = [0; 3];
         for (corner, (at, ends)) in corners.iter_mut().zip(facet.corners) {
-            let place = Place::line(line + ends);
+            let place = FilePlace::line(line + ends);
             let at = DVec3::from_array(at);
             *corner = self.joined.vertex(at, &mut self.mesh, place)?;
         }
         let first = self.mesh.triangles.len();
-        let place = Place::line(line + facet.start);
+        let place = FilePlace::line(line + facet.start);
         self.mesh.start_face(first, place)?;
         push(&mut self.mesh.triangles, corners, "triangles")
     }
@@ -265,7 +265,7 @@ impl Reader {
                 });
             }
             "endloop" => {
-                let place = Place::line(self.facet);
+                let place = FilePlace::line(self.facet);
                 self.mesh.add_face(&self.corners, place)?;
             }
             END_SOLID => self.skipped = Some(line),
@@ -309,7 +309,9 @@ impl Reader {
             });
         }
         let at = DVec3::from_array(numbers);
-        let corner = self.joined.vertex(at, &mut self.mesh, Place::line(line))?;
+        let corner = self
+            .joined
+            .vertex(at, &mut self.mesh, FilePlace::line(line))?;
         push(&mut self.corners, corner, "corners")
     }
 

@@ -58,13 +58,13 @@ pub(crate) fn words<'t>(
 
 /// The wanted values of a row, as numbers.
 #[derive(Default)]
-pub(crate) struct Row {
+pub(crate) struct PlyRow {
     numbers: Vec<f64>,
     /// The index of the first number of each property.
     starts: Vec<usize>,
 }
 
-impl Row {
+impl PlyRow {
     fn clear(&mut self) {
         self.numbers.clear();
         self.starts.clear();

@@ -19,7 +19,7 @@ use crate::{
 
 /// A fault of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum BadKind {
     NotFinite,
     NotAboveZero,
     Clamped,
@@ -31,7 +31,7 @@ pub(crate) enum Kind {
 /// Numbers of a column that have the same fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bad {
-    pub(crate) kind: Kind,
+    pub(crate) kind: BadKind,
     /// The column, from 0, among those of `Columns`.
     pub(crate) column: usize,
     /// The first row, followed by its value.
@@ -99,21 +99,21 @@ impl Check {
             // One pass finds out if there is anything to report, which is rare.
             match column {
                 VALUE if is_angle && !look.lie_in(f64::MIN..=f64::MAX) => {
-                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
                 }
                 0..RADIUS if !look.lie_in(f64::MIN..=f64::MAX) => {
-                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
                 }
                 RADIUS if !look.lie_in(SMALLEST..=f64::MAX) => {
-                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
                     let is_bad = |number: f64| number.is_finite() && number <= 0.0;
-                    look.look_for(Kind::NotAboveZero, is_bad);
+                    look.look_for(BadKind::NotAboveZero, is_bad);
                 }
                 _ if COLORS.contains(&column) && !look.lie_in(0.0..=1.0) => {
-                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
                     let is_channel = |number: f64| (0.0..=1.0).contains(&number);
                     let is_bad = |number: f64| number.is_finite() && !is_channel(number);
-                    look.look_for(Kind::Clamped, is_bad);
+                    look.look_for(BadKind::Clamped, is_bad);
                 }
                 _ => {}
             }
@@ -142,7 +142,7 @@ impl Look<'_> {
         })
     }
 
-    fn look_for(&mut self, kind: Kind, is_bad: impl Fn(f64) -> bool) {
+    fn look_for(&mut self, kind: BadKind, is_bad: impl Fn(f64) -> bool) {
         for (row, value) in (self.first..).zip(self.numbers) {
             if is_bad(*value) {
                 note(self.found, (kind, self.column), row, *value);
@@ -162,18 +162,18 @@ fn look_at_ends(kind: RowKind, block: &Block, found: &mut Vec<Bad>) {
         };
         if let Some(why) = why_no_axis([from, to]) {
             let column = OTHER_END.start;
-            note(found, (Kind::NoAxis(why), column), row, to.x);
+            note(found, (BadKind::NoAxis(why), column), row, to.x);
         }
     }
 }
 
 /// Notes a fault: the first of its kind in a column are kept, the others are counted with the last
 /// of these.
-fn note(found: &mut Vec<Bad>, (kind, column): (Kind, usize), row: usize, value: f64) {
+fn note(found: &mut Vec<Bad>, (kind, column): (BadKind, usize), row: usize, value: f64) {
     let mut all = found.iter_mut();
     let last = all.rfind(|bad| (bad.kind, bad.column) == (kind, column));
     let before = last.as_ref().map_or(0, |bad| bad.before + 1);
-    let most = most_listed(kind != Kind::Clamped);
+    let most = most_listed(kind != BadKind::Clamped);
     match last.filter(|_| before >= most) {
         Some(last) => last.count += 1,
         None => found.push(Bad {

@@ -13,7 +13,7 @@ use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 use crate::{
     data::{
         bytes::{LONGEST_LINE, check_lines, read_bytes},
-        fault::{At, Blamed, Fault, Part, ReadError, Wrong},
+        fault::{At, Blamed, Fault, LinePart, ReadError, Wrong},
         table::{
             Request, Table,
             csv::{
@@ -111,7 +111,7 @@ fn read_opening(
     reader: &mut impl Read,
     length: usize,
     request: &Request,
-) -> Result<(Vec<u8>, Found), ReadError> {
+) -> Result<(Vec<u8>, FoundColumns), ReadError> {
     let mut text = read_bytes(&mut *reader, length.min(HEAD))?;
     loop {
         if let Some(found) = opening_of(&text, text.len() == length, request)? {
@@ -129,10 +129,14 @@ fn line_ends(text: &[u8]) -> usize {
 }
 
 /// The names of the columns of a text, what precedes its records, and their start.
-type Found = (Vec<String>, Opening, usize);
+type FoundColumns = (Vec<String>, Opening, usize);
 
 /// Returns what is at the start of a text; `None` if more of the text is needed.
-fn opening_of(text: &[u8], is_all: bool, request: &Request) -> Result<Option<Found>, ReadError> {
+fn opening_of(
+    text: &[u8],
+    is_all: bool,
+    request: &Request,
+) -> Result<Option<FoundColumns>, ReadError> {
     let Some(opening) = Opening::of(text, is_all, request.columns.is_some()) else {
         return Ok(None);
     };
@@ -223,7 +227,7 @@ fn read_rest(
     let mut numbers = Vec::with_capacity(VALUE + 1);
     while reader.read_byte_record(&mut record).map_err(refused)? {
         numbers.clear();
-        Row {
+        CsvRecord {
             header,
             rest,
             lines,
@@ -305,7 +309,7 @@ fn without_names(names: &[&str], columns: &Known, missing: Fault) -> Fault {
 }
 
 /// A record below its header.
-struct Row<'a> {
+struct CsvRecord<'a> {
     header: &'a Header,
     rest: &'a [u8],
     lines: usize,
@@ -313,7 +317,7 @@ struct Row<'a> {
     row: usize,
 }
 
-impl Row<'_> {
+impl CsvRecord<'_> {
     /// Ends, radius, color and value, as far as there are columns for them.
     fn numbers(&self, request: &Request, numbers: &mut Vec<f64>, rows: &mut Rows) {
         let defaults = &request.defaults;
@@ -393,7 +397,7 @@ impl Row<'_> {
     /// Returns the place of a cell.
     fn cell(&self, at: usize, column: &str) -> At {
         let of = self.header.names.len();
-        At::cell(self.row, Some(self.line()), column).part(Part::Cell { at, of })
+        At::cell(self.row, Some(self.line()), column).part(LinePart::Cell { at, of })
     }
 
     fn empty(&self, at: usize, help: Option<&str>, rows: &mut Rows) -> f64 {

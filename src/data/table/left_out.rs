@@ -7,7 +7,7 @@ use crate::data::{
     fault::most_listed,
     table::{
         Defaults, Table,
-        check::Kind,
+        check::BadKind,
         kind::RowKind,
         layout::Column,
         rows::{Empty, Rows},
@@ -35,7 +35,7 @@ impl LeftOut {
 impl Table {
     /// Leaves out the rows of points whose coordinates are all NaN, unless there are no others.
     pub(super) fn without_missing(self, defaults: &Defaults) -> io::Result<Self> {
-        let is_of_x = |kind: Kind, column: usize| kind == Kind::NotFinite && column == 0;
+        let is_of_x = |kind: BadKind, column: usize| kind == BadKind::NotFinite && column == 0;
         let mut bad = self.bad.iter();
         if self.layout.kind != RowKind::Sphere || !bad.any(|bad| is_of_x(bad.kind, bad.column)) {
             return Ok(self);

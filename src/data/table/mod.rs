@@ -28,7 +28,7 @@ use std::{fmt, io::Read, sync::Arc};
 
 use glam::DVec3;
 
-pub(crate) use check::{Bad, Kind};
+pub(crate) use check::{Bad, BadKind};
 pub(crate) use cloud::Cloud;
 pub(crate) use format::Format;
 pub(crate) use layout::Row;

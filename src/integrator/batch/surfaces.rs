@@ -53,11 +53,11 @@ struct Known {
     is_other: bool,
     /// The linear color of a matte surface, or the light of one that needs none.
     color: [f64; 3],
-    kind: Kind,
+    kind: SurfaceKind,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum SurfaceKind {
     /// Scatters the light that arrives.
     Matte,
     /// Has a light of its own, whatever arrives.
@@ -78,12 +78,12 @@ impl Known {
                 is_sphere: false,
                 is_other: false,
                 color: world.background().to_linear().channels,
-                kind: Kind::Constant,
+                kind: SurfaceKind::Constant,
             };
         };
         let shape = geometry.shape();
         let (color, kind) = match geometry.only_material() {
-            None => (Radiance::BLACK, Kind::Scattering),
+            None => (Radiance::BLACK, SurfaceKind::Scattering),
             Some(material) => Self::shown(material, world.lighting().is_some()),
         };
         let is_in_place = shape.is_flat() && shape.transform().is_none();
@@ -104,9 +104,9 @@ impl Known {
     }
 
     /// Returns the color and the kind of a surface that has one material.
-    fn shown(material: &Material, is_lit: bool) -> (Radiance, Kind) {
+    fn shown(material: &Material, is_lit: bool) -> (Radiance, SurfaceKind) {
         if !is_lit {
-            return (material.color().to_linear(), Kind::Constant);
+            return (material.color().to_linear(), SurfaceKind::Constant);
         }
         let lobes = material.lobes();
         let (emission, diffuse) = (lobes.emission, lobes.diffuse);
@@ -117,10 +117,10 @@ impl Known {
                 ..Lobes::NONE
             };
         match (emission, diffuse) {
-            (Some(emission), None) if has_no_more => (emission.radiance(), Kind::Constant),
-            (None, Some(color)) if has_no_more => (color.to_linear(), Kind::Matte),
-            _ if lobes.scatters() => (Radiance::BLACK, Kind::Scattering),
-            _ => (Radiance::BLACK, Kind::Clear),
+            (Some(emission), None) if has_no_more => (emission.radiance(), SurfaceKind::Constant),
+            (None, Some(color)) if has_no_more => (color.to_linear(), SurfaceKind::Matte),
+            _ if lobes.scatters() => (Radiance::BLACK, SurfaceKind::Scattering),
+            _ => (Radiance::BLACK, SurfaceKind::Clear),
         }
     }
 }
@@ -137,7 +137,7 @@ pub(super) struct Surfaces<S: Simd> {
     pub(super) kinds: Kinds,
 }
 
-/// The hits of each [`Kind`], lane i as bit i.
+/// The hits of each [`SurfaceKind`], lane i as bit i.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Kinds {
     pub(super) matte: u8,
@@ -147,12 +147,12 @@ pub(super) struct Kinds {
 
 impl Kinds {
     #[inline(always)]
-    fn add(&mut self, kind: Kind, lanes: u8) {
+    fn add(&mut self, kind: SurfaceKind, lanes: u8) {
         match kind {
-            Kind::Matte => self.matte |= lanes,
-            Kind::Constant => {}
-            Kind::Scattering => self.scattering |= lanes,
-            Kind::Clear => self.clear |= lanes,
+            SurfaceKind::Matte => self.matte |= lanes,
+            SurfaceKind::Constant => {}
+            SurfaceKind::Scattering => self.scattering |= lanes,
+            SurfaceKind::Clear => self.clear |= lanes,
         }
     }
 }
@@ -175,7 +175,7 @@ impl<S: Simd> Surfaces<S> {
                 is_sphere: flag(known.is_sphere),
                 others: if known.is_other { u8::MAX } else { 0 },
                 color: splat3(simd, DVec3::from(known.color)),
-                is_matte: flag(known.kind == Kind::Matte),
+                is_matte: flag(known.kind == SurfaceKind::Matte),
                 kinds,
             };
         }
@@ -190,7 +190,7 @@ impl<S: Simd> Surfaces<S> {
             }
             is_sphere[lane] = f64::from(u8::from(known.is_sphere));
             others |= u8::from(known.is_other) << lane;
-            is_matte[lane] = f64::from(u8::from(known.kind == Kind::Matte));
+            is_matte[lane] = f64::from(u8::from(known.kind == SurfaceKind::Matte));
             kinds.add(known.kind, 1 << lane);
         }
         Self {

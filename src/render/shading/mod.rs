@@ -8,7 +8,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use self::{part::Part, sums::Scratch};
+use self::{part::HitRows, sums::Scratch};
 use crate::{
     accel::{
         raster::{
@@ -189,7 +189,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         if shadows.any(|shadows| shadows.leaves_open(eye, distance)) {
             work.watch.time(|| self.queries.prepare());
         }
-        let part = Part {
+        let part = HitRows {
             shading: self,
             state,
             rays: &rays,

@@ -10,7 +10,7 @@ use crate::{
     accel::raster::first_hits::Work,
     film::{Centers, Lit, LitPixel, Piece, Wanted, colors::NOTHING, samples::Samples},
     integrator::{
-        batch::{Encode, Row, ShadeRow},
+        batch::{Encode, SampleRow, ShadeRow},
         direct::{Direct, Path, Queries, Shaded},
     },
     render::{
@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// The rows of a picture whose hits are known.
-pub(super) struct Part<'a, Q> {
+pub(super) struct HitRows<'a, Q> {
     pub(super) shading: &'a Shading<'a, Q>,
     pub(super) state: &'a State<'a>,
     pub(super) hits: &'a Hits,
@@ -33,7 +33,7 @@ pub(super) struct Part<'a, Q> {
     pub(super) work: Work<'a>,
 }
 
-impl<Q: Queries + Sync> Part<'_, Q> {
+impl<Q: Queries + Sync> HitRows<'_, Q> {
     /// Shades some rows of pixels.
     pub(super) fn piece(&self, rows: Range<u32>) -> Piece {
         let geometries = self.shading.world.ids();
@@ -317,11 +317,11 @@ fn add_rows(sums: &mut [f64], samples: impl IntoIterator<Item: AsRef<[f64]>>) {
 }
 
 /// Returns a part of a row of samples.
-fn row_of<'a>(hits: &'a Hits, rays: &'a Rays, row: usize, columns: Range<usize>) -> Row<'a> {
+fn row_of<'a>(hits: &'a Hits, rays: &'a Rays, row: usize, columns: Range<usize>) -> SampleRow<'a> {
     let first = row * hits.columns.len();
     let places = first + columns.start..first + columns.end;
     let [x, y, z] = &rays.columns;
-    Row {
+    SampleRow {
         camera: rays.camera,
         columns: [x, y, z].map(|axis| &axis[columns.clone()]),
         row: rays.rows[row],

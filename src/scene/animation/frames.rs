@@ -12,7 +12,7 @@ use crate::{
             animation::{AnimationModel, Track},
             camera::CameraModel,
             cameras::CamerasModel,
-            field::{Kind, Slot},
+            field::{FieldKind, Slot},
             geometry::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
@@ -162,7 +162,7 @@ impl Frames {
     /// Returns the geometries that move or change their size, in ascending order.
     pub(crate) fn moved_geometries(&self) -> Vec<Ordinal> {
         let moved = self.targets.iter().filter_map(|target| match target.owner {
-            Owner::Geometry(at) if target.kind != Kind::Color => Some(at),
+            Owner::Geometry(at) if target.kind != FieldKind::Color => Some(at),
             Owner::Transform(at, _) | Owner::Rotation(at, _) => Some(at),
             _ => None,
         });

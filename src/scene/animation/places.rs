@@ -13,7 +13,7 @@ use super::{
 };
 use crate::scene::format::{
     animation::{Interpolation, Key, Track},
-    field::Kind,
+    field::FieldKind,
     geometry::{GeometryModel, nesting::Ordinal},
     scene::Model,
     transform::ScaleModel,
@@ -115,7 +115,7 @@ fn times(track: &Track) -> Vec<Time> {
 /// Returns the geometry that a track moves or whose size it changes.
 fn moves(target: &Target) -> Option<Ordinal> {
     match target.owner {
-        Owner::Geometry(at) if target.kind != Kind::Color => Some(at),
+        Owner::Geometry(at) if target.kind != FieldKind::Color => Some(at),
         Owner::Transform(at, _) | Owner::Rotation(at, _) => Some(at),
         _ => None,
     }
@@ -147,7 +147,7 @@ fn go_straight(model: &Model, tracks: &[(&Target, &Track)]) -> bool {
         Owner::Geometry(at) => model.geometry(at).is_some_and(|geometry| {
             matches!(geometry, GeometryModel::Sphere(_)) || geometry.table().is_some()
         }),
-        Owner::Transform(..) => matches!(target.kind, Kind::Point | Kind::Scale),
+        Owner::Transform(..) => matches!(target.kind, FieldKind::Point | FieldKind::Scale),
         _ => false,
     };
     let Some((first, track)) = tracks.first() else {

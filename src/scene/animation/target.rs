@@ -6,7 +6,7 @@ use crate::{
         format::{
             camera::CameraModel,
             color_by::ColorByModel,
-            field::{Field, Kind, Slot},
+            field::{Field, FieldKind, Slot},
             fit::ProjectionModel,
             geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
@@ -15,7 +15,7 @@ use crate::{
             thing::Thing,
             transform::{ScaleModel, TransformModel},
         },
-        path::{self, Part},
+        path::{self, PathPart},
         unknown,
     },
     text::nearest::{list, nearest, quote},
@@ -60,7 +60,7 @@ pub(crate) enum Owner {
 pub(crate) struct Target {
     pub(crate) owner: Owner,
     pub(crate) field: &'static str,
-    pub(crate) kind: Kind,
+    pub(crate) kind: FieldKind,
     /// The index of one number of a vector or a color; `None` for all of it.
     pub(crate) component: Option<usize>,
 }
@@ -104,7 +104,7 @@ impl Target {
                 _ => not_given(model, owner, field),
             });
         }
-        let count = if kind == Kind::Interval { 2 } else { 3 };
+        let count = if kind == FieldKind::Interval { 2 } else { 3 };
         let component = match component.map(|part| &part.step) {
             None => None,
             Some(Step::Index(index)) if *index < count && !kind.is_number() => Some(*index),
@@ -114,7 +114,7 @@ impl Target {
             }
             Some(_) => return Err(does_not_change(path)),
         };
-        if kind == Kind::Scale && component.is_some() && !owner.has_three_scales(model) {
+        if kind == FieldKind::Scale && component.is_some() && !owner.has_three_scales(model) {
             let message = "`scale` is one number: no element of it can change".to_owned();
             let help = "give the transform three numbers as `scale`";
             return Err(unknown_path(message).with_help(help));
@@ -161,7 +161,7 @@ impl Target {
 
     /// Returns true if an orbit changes it as well.
     pub(crate) const fn is_turned_by_orbit(&self) -> bool {
-        self.owner.is_camera() && matches!(self.kind, Kind::Point | Kind::Direction)
+        self.owner.is_camera() && matches!(self.kind, FieldKind::Point | FieldKind::Direction)
     }
 
     /// Returns the slot of the value; a missing optional field gets its default.
@@ -295,9 +295,9 @@ impl Owner {
 }
 
 /// Returns the owner of the field at a path, and the remaining steps.
-fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Diagnostic> {
-    let names: Vec<_> = steps.iter().map(Part::name).collect();
-    let index = steps.get(1).and_then(Part::index);
+fn owner<'s>(model: &Model, steps: &'s [PathPart]) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
+    let names: Vec<_> = steps.iter().map(PathPart::name).collect();
+    let index = steps.get(1).and_then(PathPart::index);
     match (&*names, steps, index) {
         ([Some("image"), _, ..], [_, rest @ ..], _) => Ok((Owner::Image, rest)),
         ([Some("outlines"), _, ..], [_, rest @ ..], _) => match model.outlines {
@@ -337,8 +337,8 @@ fn inner<'s>(
     model: &Model,
     camera: Owner,
     projection: Owner,
-    steps: &'s [Part],
-) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    steps: &'s [PathPart],
+) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
     const FIELD: &str = "projection";
     let has_it = |camera: Owner| camera.fields(model).iter().any(|field| field.name == FIELD);
     match steps {
@@ -357,8 +357,8 @@ fn inner<'s>(
 fn of_geometry<'s>(
     model: &Model,
     at: Ordinal,
-    steps: &'s [Part],
-) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    steps: &'s [PathPart],
+) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
     let owner = Owner::Geometry(at);
     let [field, rest @ ..] = steps else {
         return Ok((owner, steps));
@@ -385,8 +385,8 @@ const INSTANCES: &str = "transforms";
 fn instance<'s>(
     model: &Model,
     at: Ordinal,
-    steps: &'s [Part],
-) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    steps: &'s [PathPart],
+) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
     let Some(GeometryModel::Instances(instances)) = model.geometry(at) else {
         return Ok((Owner::Geometry(at), steps));
     };
@@ -413,8 +413,8 @@ fn instance<'s>(
 fn transform<'s>(
     model: &Model,
     (at, instance): (Ordinal, Option<usize>),
-    steps: &'s [Part],
-) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    steps: &'s [PathPart],
+) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
     let owner = Owner::Transform(at, instance);
     let Some(transform) = owner.transform(model) else {
         return Err(not_given(model, Owner::Geometry(at), "transform"));

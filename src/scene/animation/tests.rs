@@ -14,7 +14,7 @@ use crate::{
             },
             camera::CameraModel,
             color::ColorModel,
-            field::{Field, Kind, Triple},
+            field::{Field, FieldKind, Triple},
             fit::ProjectionModel,
             geometry::GeometryModel,
             light::LightModel,
@@ -281,12 +281,12 @@ fn the_fields_are_those_of_the_format() {
 // In the schema, the first and the last name of a path determine how the keys of a track are read.
 #[test]
 fn fields_of_one_name_are_of_one_kind() {
-    fn check(field: &'static Field, known: &mut HashMap<&str, Kind>, depth: usize) {
+    fn check(field: &'static Field, known: &mut HashMap<&str, FieldKind>, depth: usize) {
         // Keys of points and directions are alike.
         let kind = match field.kind {
-            Kind::Direction => Kind::Point,
+            FieldKind::Direction => FieldKind::Point,
             kind if kind.changes() => kind,
-            _ => Kind::Fixed,
+            _ => FieldKind::Fixed,
         };
         let other = *known.entry(field.name).or_insert(kind);
         assert_eq!(other, kind, "{}", field.name);

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::{ColorPlace, spot::Finder};
 use crate::{
-    scene::format::{animation::CHANGING, color::ColorModel, field::Kind as FieldKind},
-    text::syntax::{self, Kind, NodeId, Syntax, Tree},
+    scene::format::{animation::CHANGING, color::ColorModel, field::FieldKind},
+    text::syntax::{self, NodeId, NodeKind, Syntax, Tree},
     tracer::color::Color,
 };
 
@@ -31,7 +31,7 @@ pub(crate) fn colors(
             continue;
         }
         match node.kind() {
-            Kind::String => {
+            NodeKind::String => {
                 let color = of_string(text.get(range.clone()).unwrap_or_default());
                 found.extend(color.map(|color| ColorPlace {
                     range,
@@ -39,7 +39,7 @@ pub(crate) fn colors(
                     is_string: true,
                 }));
             }
-            Kind::Struct | Kind::Map => {
+            NodeKind::Struct | NodeKind::Map => {
                 let values = tree.fields(id).filter_map(|(key, value)| {
                     // Names are only looked up in front of three numbers.
                     let color = of_numbers(&finder, value)?;
@@ -89,7 +89,7 @@ pub(super) fn of_string(token: &str) -> Option<Color> {
 
 fn of_numbers(finder: &Finder, id: NodeId) -> Option<Color> {
     let kind = finder.tree.node(id).kind();
-    if !matches!(kind, Kind::Tuple | Kind::List) {
+    if !matches!(kind, NodeKind::Tuple | NodeKind::List) {
         return None;
     }
     let mut numbers = finder.tree.children(id).map(|item| {

@@ -8,18 +8,18 @@ use super::{
     names::{self, Name, NameKind},
     paths::paths,
     sample::{fields, key, sample, sample_of, words_of_field},
-    spot::{Finder, Place, Spot},
+    spot::{Finder, Fitting, Spot},
 };
 use crate::{
     scene::{
         format::{
-            field::Kind as FieldKind,
+            field::FieldKind,
             scene::Model,
             thing::{Thing, Type},
         },
         options::ReadOptions,
     },
-    text::syntax::{Kind, NodeId, Syntax},
+    text::syntax::{NodeId, NodeKind, Syntax},
 };
 
 /// The list of the definitions of materials.
@@ -64,7 +64,7 @@ pub(super) fn complete(
         return nothing;
     };
     let items = match &place {
-        Place::Key {
+        Fitting::Key {
             owner,
             given,
             has_colon,
@@ -72,8 +72,8 @@ pub(super) fn complete(
             let is_new = |name: &str| !given.iter().any(|other| other == name);
             keys(*owner, *has_colon, tree.syntax(), is_new)
         }
-        Place::Path { has_colon } => paths(finder, *has_colon, first_cut),
-        Place::Value { value, field } => match value {
+        Fitting::Path { has_colon } => paths(finder, *has_colon, first_cut),
+        Fitting::Value { value, field } => match value {
             Type::File(endings) => files(word, endings, options),
             Type::NameOfGeometry => geometries(finder),
             Type::NameOfMaterial => materials(finder),
@@ -218,7 +218,7 @@ fn item(label: &str, insert: String, kind: CompletionKind, docs: &str) -> Comple
 /// Returns the colors of the scene that are strings, as they are written.
 fn used_colors(finder: &Finder) -> Vec<String> {
     let ids = finder.tree.ids().take(SEARCHED);
-    let strings = ids.filter(|id| finder.tree.node(*id).kind() == Kind::String);
+    let strings = ids.filter(|id| finder.tree.node(*id).kind() == NodeKind::String);
     let colors = strings.filter_map(|id| {
         let range = finder.tree.node(id).range();
         let text = finder.text.get(range)?;
@@ -285,9 +285,9 @@ pub(super) fn hover(finder: &Finder, offset: usize) -> Option<Hover> {
         Some((name.to_owned(), variant.docs))
     };
     let (title, docs) = match place {
-        Place::Path { .. } => return None,
-        Place::Key { owner, .. } => of_field(owner, word).or_else(|| of_variant(owner, word))?,
-        Place::Value { value, field, .. } => of_variant(value, word).or_else(|| {
+        Fitting::Path { .. } => return None,
+        Fitting::Key { owner, .. } => of_field(owner, word).or_else(|| of_variant(owner, word))?,
+        Fitting::Value { value, field, .. } => of_variant(value, word).or_else(|| {
             let (owner, name) = field?;
             of_field(owner, &name).or_else(|| of_variant(owner, &name))
         })?,

@@ -11,7 +11,7 @@ use crate::{
         edit::Edit,
         syntax::{
             NodeId, Syntax, Tree,
-            graft::{Element, Part},
+            graft::{Element, OmittedElements},
         },
     },
 };
@@ -132,7 +132,7 @@ impl Elements {
                     old: *old..old + range.len(),
                     start: range.start,
                 });
-                Part {
+                OmittedElements {
                     at,
                     elements: elements.collect(),
                 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::spot::Finder;
-use crate::text::syntax::{CommentKind, Kind};
+use crate::text::syntax::{CommentKind, NodeKind};
 
 /// A part of a text that can be folded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,7 +21,12 @@ pub(super) fn folds(finder: &Finder) -> Vec<Fold> {
         text.contains(['\n', '\r'])
     };
     let containers = tree.ids().map(|id| tree.node(id)).filter(|node| {
-        let kinds = [Kind::Tuple, Kind::Struct, Kind::List, Kind::Map];
+        let kinds = [
+            NodeKind::Tuple,
+            NodeKind::Struct,
+            NodeKind::List,
+            NodeKind::Map,
+        ];
         kinds.contains(&node.kind()) && has_lines(&node.range())
     });
     let mut folds: Vec<_> = containers

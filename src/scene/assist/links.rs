@@ -9,7 +9,7 @@ use crate::{
         locate::{body, items},
         options::ReadOptions,
     },
-    text::syntax::{Kind, NodeId},
+    text::syntax::{NodeId, NodeKind},
 };
 
 /// A file that a scene names.
@@ -49,7 +49,7 @@ pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
     }
     let files = options.tables();
     let strings = schema.into_iter().chain(tables);
-    let strings = strings.filter(|id| tree.node(*id).kind() == Kind::String);
+    let strings = strings.filter(|id| tree.node(*id).kind() == NodeKind::String);
     let links = strings.map(|id| {
         let range = tree.node(id).range();
         let name = finder.name(id).into_owned();

@@ -14,12 +14,12 @@ use crate::{
             thing::{Thing, Type},
         },
         locate::body,
-        path::{self, Part},
+        path::{self, PathPart},
     },
     text::{
         edit::Edit,
         nearest::quote,
-        syntax::{self, Kind, NodeId, Syntax},
+        syntax::{self, NodeId, NodeKind, Syntax},
     },
 };
 
@@ -74,7 +74,7 @@ struct InPath {
     path: String,
     /// The end of the step before it.
     before: usize,
-    part: Part,
+    part: PathPart,
 }
 
 impl Name {
@@ -109,7 +109,7 @@ pub(super) fn at(finder: &Finder, offset: usize) -> Option<Name> {
 /// Returns the name that a string of the text is, or those that it has in it.
 fn of_string(finder: &Finder, id: NodeId) -> Vec<Name> {
     let tree = finder.tree;
-    if tree.node(id).kind() != Kind::String {
+    if tree.node(id).kind() != NodeKind::String {
         return Vec::new();
     }
     match whole(finder, id) {
@@ -186,7 +186,7 @@ fn element(finder: &Finder, fields: NodeId) -> Option<(NameKind, NodeId)> {
         _ => fields,
     };
     let around = tree.node(thing).parent()?;
-    let is_in_list = tree.node(around).kind() == Kind::List;
+    let is_in_list = tree.node(around).kind() == NodeKind::List;
     let value = if is_in_list { around } else { thing };
     let (field, owner) = (field_of(finder, value)?, tree.node(value).parent()?);
     if Some(owner) != tree.root() {
@@ -235,8 +235,8 @@ fn step(
     string: &Range<usize>,
     path: &str,
     kind: NameKind,
-    list: &Part,
-    part: &Part,
+    list: &PathPart,
+    part: &PathPart,
 ) -> Option<Name> {
     let name = part.name()?.to_owned();
     let inner = match part.step {

@@ -3,7 +3,7 @@
 use crate::{
     scene::{
         format::{
-            field::{Field, Kind},
+            field::{Field, FieldKind},
             thing::{Needs, Type, Variant},
         },
         schema::{bounds, whole},
@@ -30,9 +30,9 @@ pub(super) fn words(of_type: Type) -> String {
     };
     match of_type {
         Type::Flag => "true or false".to_owned(),
-        Type::Value(Kind::Color) => "color".to_owned(),
-        Type::Value(Kind::Scale) => String::new(),
-        Type::Value(Kind::Interval) => "2 numbers".to_owned(),
+        Type::Value(FieldKind::Color) => "color".to_owned(),
+        Type::Value(FieldKind::Scale) => String::new(),
+        Type::Value(FieldKind::Interval) => "2 numbers".to_owned(),
         Type::Value(kind) if kind.is_vector() => "3 numbers".to_owned(),
         Type::Value(kind) => {
             let what = if kind.is_number() {
@@ -102,8 +102,8 @@ pub(super) fn sample(of_type: Type, syntax: Syntax) -> String {
     let vector = |vector: [i8; 3]| tuple(&vector.map(|number| number.to_string()));
     match of_type {
         Type::Flag => "true".to_owned(),
-        Type::Value(Kind::Color) => "\"#808080\"".to_owned(),
-        Type::Value(Kind::Interval) => tuple(&["0".to_owned(), "0".to_owned()]),
+        Type::Value(FieldKind::Color) => "\"#808080\"".to_owned(),
+        Type::Value(FieldKind::Interval) => tuple(&["0".to_owned(), "0".to_owned()]),
         Type::Value(kind) if kind.is_vector() => vector([0; 3]),
         Type::Value(_) | Type::Whole(_) => "1".to_owned(),
         Type::Tuple(..) | Type::Matrix => format!("[{}]", AXES.map(vector).join(", ")),
@@ -125,7 +125,7 @@ fn object(of_type: Type, vector: impl Fn([i8; 3]) -> String, syntax: Syntax) -> 
     // Those that are always required come first, in the order of the manual.
     let place = |field: &Field| of_type.fields().position(|other| other.name == field.name);
     needed.sort_by_key(|(_, field)| (!field.is_required, place(field)));
-    let is_direction = |kind| kind == Kind::Direction || kind == Kind::Way;
+    let is_direction = |kind| kind == FieldKind::Direction || kind == FieldKind::Way;
     let directions = needed.iter().filter(|(_, field)| is_direction(field.kind));
     // Not a box without a size, nor edges along one line.
     let directions = if directions.count() > 1 {
@@ -137,7 +137,7 @@ fn object(of_type: Type, vector: impl Fn([i8; 3]) -> String, syntax: Syntax) -> 
     let fields = needed.iter().map(|(_, field)| {
         let point = match field.kind {
             kind if is_direction(kind) => directions.next(),
-            Kind::Point => points.next(),
+            FieldKind::Point => points.next(),
             _ => None,
         };
         let value = match point {

@@ -11,7 +11,7 @@ use crate::{
     scene::{options::ReadOptions, source::Source},
     text::{
         edit::Edit,
-        syntax::{Kind, Syntax},
+        syntax::{NodeKind, Syntax},
     },
     tracer::color::Color,
 };
@@ -129,7 +129,7 @@ impl Source {
         let is_in_string = tree.node_before(line).is_some_and(|id| {
             let node = tree.node(id);
             let range = node.range();
-            node.kind() == Kind::String && range.start < line && line < range.end
+            node.kind() == NodeKind::String && range.start < line && line < range.end
         });
         if is_in_comment || is_in_string {
             return None;

@@ -7,7 +7,7 @@ use crate::{
         scene::Model,
         thing::{Thing, Type},
     },
-    text::syntax::{self, Kind, NodeId, Syntax, Tree},
+    text::syntax::{self, NodeId, NodeKind, Syntax, Tree},
 };
 
 /// The place of a cursor.
@@ -17,12 +17,12 @@ pub(super) struct Spot<'a> {
     pub(super) range: Range<usize>,
     /// The part of the word that a completion replaces: up to the cursor and the rest of the word.
     pub(super) word: &'a str,
-    pub(super) place: Place<'a>,
+    pub(super) place: Fitting<'a>,
 }
 
 /// What fits at the place.
 #[derive(Debug)]
-pub(super) enum Place<'a> {
+pub(super) enum Fitting<'a> {
     /// A key of a struct, or of a JSON variant.
     Key {
         owner: Type,
@@ -69,7 +69,7 @@ impl<'a> Finder<'a> {
     pub(super) fn name(&self, key: NodeId) -> Cow<'a, str> {
         let token = self.at(self.tree.node(key).range());
         match self.tree.node(key).kind() {
-            Kind::String => syntax::string(token, self.tree.syntax()).unwrap_or(token.into()),
+            NodeKind::String => syntax::string(token, self.tree.syntax()).unwrap_or(token.into()),
             _ => syntax::name(token).into(),
         }
     }
@@ -184,7 +184,7 @@ impl<'a> Finder<'a> {
 
     fn inner(&self, around: &Around<'a>, offset: usize) -> Option<Around<'a>> {
         match self.tree.node(around.node).kind() {
-            Kind::Struct | Kind::Map => {
+            NodeKind::Struct | NodeKind::Map => {
                 let mut fields = self.tree.fields(around.node);
                 let (key, node) = fields.find(|(_, value)| self.holds(*value, offset))?;
                 let name = self.name(key);
@@ -194,7 +194,7 @@ impl<'a> Finder<'a> {
                     field: Some((around.content, name)),
                 })
             }
-            Kind::List | Kind::Tuple => {
+            NodeKind::List | NodeKind::Tuple => {
                 let mut items = self.tree.children(around.node);
                 let node = items.find(|item| self.holds(*item, offset))?;
                 Some(Around {
@@ -215,7 +215,7 @@ impl<'a> Finder<'a> {
         let range = node.range();
         if !matches!(
             node.kind(),
-            Kind::Struct | Kind::Map | Kind::List | Kind::Tuple | Kind::Unit
+            NodeKind::Struct | NodeKind::Map | NodeKind::List | NodeKind::Tuple | NodeKind::Unit
         ) {
             return false;
         }
@@ -238,12 +238,12 @@ impl<'a> Finder<'a> {
         }
     }
 
-    fn place(&self, around: &Around<'a>, range: &Range<usize>) -> Option<Place<'a>> {
+    fn place(&self, around: &Around<'a>, range: &Range<usize>) -> Option<Fitting<'a>> {
         let (before, end) = self.before(range.start)?;
         let (content, kind) = (around.content, self.tree.node(around.node).kind());
         if before == ':' {
             let key = self.key_before(end - 1)?;
-            return Some(Place::Value {
+            return Some(Fitting::Value {
                 value: content.value(&key)?,
                 field: Some((content, key)),
             });
@@ -251,24 +251,24 @@ impl<'a> Finder<'a> {
         if !matches!(before, '(' | '[' | '{' | ',') {
             return None;
         }
-        if matches!(content, Type::Tracks) && kind == Kind::Map {
+        if matches!(content, Type::Tracks) && kind == NodeKind::Map {
             let after = self.at(range.end..self.text.len());
             let has_colon = after.trim_start().starts_with(':');
-            return Some(Place::Path { has_colon });
+            return Some(Fitting::Path { has_colon });
         }
         let has_keys = matches!(content, Type::Object(..))
-            || self.tree.syntax() == Syntax::Json && kind == Kind::Map;
-        if has_keys && kind != Kind::List {
+            || self.tree.syntax() == Syntax::Json && kind == NodeKind::Map;
+        if has_keys && kind != NodeKind::List {
             let after = self.at(range.end..self.text.len());
             let given = self.tree.fields(around.node).map(|(key, _)| key);
             let given = given.filter(|key| !overlaps(&self.tree.node(*key).range(), range));
-            return Some(Place::Key {
+            return Some(Fitting::Key {
                 owner: content,
                 given: given.map(|key| self.name(key)).collect(),
                 has_colon: after.trim_start().starts_with(':'),
             });
         }
-        Some(Place::Value {
+        Some(Fitting::Value {
             value: content.element().unwrap_or(content),
             field: around.field.clone(),
         })

@@ -23,7 +23,7 @@ use crate::{
         timings::{Stage, Timings},
     },
     scene::{
-        check::{self, Checked, Found},
+        check::{self, Checked, CheckedModel},
         convert::{self, Converted, LostComments},
         files::{self, FileText},
         format::{light::LightModel, scene::Model},
@@ -206,7 +206,7 @@ impl Document {
         let timings = Timings::new();
         let watch = timings.watch();
         let checked = watch.time(Stage::Check, || {
-            let found = Found::of(model, self.syntax(), &options, &watch);
+            let found = CheckedModel::of(model, self.syntax(), &options, &watch);
             let checked = found.placed(&self.source, &options.levels);
             Checked {
                 has_lights: self.checked.has_lights,

@@ -1,7 +1,9 @@
 //! Colors by the values of a column, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, field::Kind, object::object, thing::Type, variants::words},
+    scene::format::{
+        color::ColorModel, field::FieldKind, object::object, thing::Type, variants::words,
+    },
     tracer::colormap::{Colormap, scale::ColorScale},
 };
 
@@ -38,7 +40,7 @@ words! {
         /// Black to white.
         Gray,
         /// These colors at equal steps; at least two.
-        Colors(Vec<ColorModel>): Type::List(|| Type::Value(Kind::Color), 2),
+        Colors(Vec<ColorModel>): Type::List(|| Type::Value(FieldKind::Color), 2),
     }
 }
 

@@ -23,7 +23,7 @@ pub type Name = Box<Box<str>>;
 
 /// The kind of a field, which determines its valid values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum FieldKind {
     /// A finite number.
     Number,
     /// A number above 0.
@@ -68,7 +68,7 @@ pub(crate) enum Kind {
     Fixed,
 }
 
-impl Kind {
+impl FieldKind {
     /// Returns true if a field of this kind is a single number.
     pub(crate) const fn is_number(self) -> bool {
         match self {
@@ -213,7 +213,7 @@ pub(crate) struct Field {
     pub(crate) docs: &'static str,
     /// Its names in other programs.
     pub(crate) others: &'static [&'static str],
-    pub(crate) kind: Kind,
+    pub(crate) kind: FieldKind,
     pub(crate) is_required: bool,
     /// Its default, if it has one.
     pub(crate) default: Option<fn() -> Json>,

@@ -24,7 +24,7 @@
 //!
 //! Behind the fields stand those of which exactly one, at most one or any is given.
 //!
-//! [`Kind`]: crate::scene::format::field::Kind
+//! [`Kind`]: crate::scene::format::field::FieldKind
 
 /// Returns the docs in the attributes of an item.
 macro_rules! docs {
@@ -249,10 +249,10 @@ macro_rules! object {
     (@if_thing Thing $then:block $($else:block)?) => { $then };
     (@if_thing $kind:ident $then:block $($else:block)?) => { $($else)? };
 
-    (@kind Count [$most:expr]) => { $crate::scene::format::field::Kind::Count { most: $most } };
+    (@kind Count [$most:expr]) => { $crate::scene::format::field::FieldKind::Count { most: $most } };
     (@kind $kind:ident $of:tt) => {
         $crate::scene::format::object::object!(
-            @if $kind { $crate::scene::format::field::Kind::$kind } { $crate::scene::format::field::Kind::Fixed }
+            @if $kind { $crate::scene::format::field::FieldKind::$kind } { $crate::scene::format::field::FieldKind::Fixed }
         )
     };
 

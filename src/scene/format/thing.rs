@@ -8,7 +8,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use crate::{
     diagnostic::path::Step,
     scene::format::{
-        field::{Field, Kind, Slot, Value},
+        field::{Field, FieldKind, Slot, Value},
         map::{Entry, Map},
     },
 };
@@ -19,7 +19,7 @@ pub(crate) enum Type {
     /// True or false.
     Flag,
     /// A number, a vector or a color.
-    Value(Kind),
+    Value(FieldKind),
     /// A whole number from 0; one of these, if there are any.
     Whole(fn() -> Vec<u32>),
     /// A string.
@@ -127,8 +127,8 @@ impl Type {
     pub(crate) fn element(self) -> Option<Self> {
         match self {
             Self::List(element, _) | Self::Tuple(element, _) => Some(element()),
-            Self::Matrix => Some(Self::Tuple(|| Self::Value(Kind::Number), 4)),
-            Self::Value(kind) if kind.has_elements() => Some(Self::Value(Kind::Number)),
+            Self::Matrix => Some(Self::Tuple(|| Self::Value(FieldKind::Number), 4)),
+            Self::Value(kind) if kind.has_elements() => Some(Self::Value(FieldKind::Number)),
             _ => None,
         }
     }

@@ -19,7 +19,7 @@ use crate::{
     },
     text::{
         nearest::{one_of, quote},
-        syntax::{Children, Kind, NodeId, Syntax, Tree, name, string},
+        syntax::{Children, NodeId, NodeKind, Syntax, Tree, name, string},
     },
 };
 
@@ -127,7 +127,7 @@ pub(crate) fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, st
     let node = tree.node(key);
     let source = text.get(node.range()).unwrap_or_default();
     match node.kind() {
-        Kind::String => string(source, tree.syntax()).unwrap_or_default(),
+        NodeKind::String => string(source, tree.syntax()).unwrap_or_default(),
         _ => name(source).into(),
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     scene::recover::{Text, access::name_of},
     text::{
         edit::Edit,
-        syntax::{Kind, NodeId, Syntax, float},
+        syntax::{NodeId, NodeKind, Syntax, float},
     },
 };
 
@@ -126,11 +126,11 @@ fn numbers(document: Text<'_>, id: NodeId) -> Option<[f64; 3]> {
     let tree = document.tree;
     let number = |id| {
         let number = float(document.source(id), tree.syntax()).ok()?;
-        (tree.node(id).kind() == Kind::Number && number.is_finite()).then_some(number)
+        (tree.node(id).kind() == NodeKind::Number && number.is_finite()).then_some(number)
     };
     match tree.node(id).kind() {
-        Kind::Number => number(id).map(|number| [number; 3]),
-        Kind::Tuple | Kind::List if tree.node(id).name().is_none() => {
+        NodeKind::Number => number(id).map(|number| [number; 3]),
+        NodeKind::Tuple | NodeKind::List if tree.node(id).name().is_none() => {
             let all: Option<Vec<_>> = tree.children(id).map(number).collect();
             all?.try_into().ok()
         }

@@ -13,7 +13,7 @@ use crate::{
     },
     text::{
         nearest::quote,
-        syntax::{Kind, NodeId, string},
+        syntax::{NodeId, NodeKind, string},
     },
 };
 
@@ -54,11 +54,11 @@ pub(super) fn entries<'de, 'p>(
 /// Returns the name in a key, if it is a string; reports all other keys.
 fn name<'a>(document: Text<'a>, path: &Trail<'_>, key: NodeId) -> Option<Cow<'a, str>> {
     let source = document.source(key);
-    if document.tree.node(key).kind() == Kind::String {
+    if document.tree.node(key).kind() == NodeKind::String {
         return string(source, document.tree.syntax());
     }
     let mut diagnostic = document.wrong_type(key, path, "a name in quotes");
-    if document.tree.node(key).kind() == Kind::Name {
+    if document.tree.node(key).kind() == NodeKind::Name {
         diagnostic.help = Some(format!("write `\"{source}\"`"));
     }
     document.replace(key, diagnostic);

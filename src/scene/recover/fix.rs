@@ -7,7 +7,7 @@ use crate::{
     scene::recover::Text,
     text::{
         edit::Edit,
-        syntax::{Kind, NodeId, Syntax, Tree, float, string},
+        syntax::{NodeId, NodeKind, Syntax, Tree, float, string},
     },
 };
 
@@ -83,22 +83,22 @@ pub(super) fn respelt(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Fi
         ]))
     };
     match (node.kind(), wants) {
-        (Kind::Tuple, _)
+        (NodeKind::Tuple, _)
             if node
                 .name()
                 .is_some_and(|name| document.slice(name) == "Some") =>
         {
             alone(document, id)
         }
-        (Kind::String, Wants::Number) => {
+        (NodeKind::String, Wants::Number) => {
             let inside = string(document.source(id), syntax)?;
             let number = inside.trim();
             float(number, syntax)
                 .is_ok_and(f64::is_finite)
                 .then(|| Fix::safe([Edit::replace(range, number)]))
         }
-        (Kind::List, Wants::Tuple) if syntax == Syntax::Ron => brackets("(", ")"),
-        (Kind::Tuple, Wants::List) if node.name().is_none() => brackets("[", "]"),
+        (NodeKind::List, Wants::Tuple) if syntax == Syntax::Ron => brackets("(", ")"),
+        (NodeKind::Tuple, Wants::List) if node.name().is_none() => brackets("[", "]"),
         _ if wants == Wants::List && is_variant(document, id) => Some(Fix::safe([
             Edit::insert(range.start, "["),
             Edit::insert(range.end, "]"),
@@ -126,8 +126,10 @@ fn is_variant(document: Text<'_>, id: NodeId) -> bool {
     let tree = document.tree;
     let is_capital = |name: &str| name.starts_with(|first: char| first.is_ascii_uppercase());
     match (tree.syntax(), tree.node(id).kind()) {
-        (Syntax::Ron, Kind::Struct | Kind::Tuple | Kind::Unit) => tree.node(id).name().is_some(),
-        (Syntax::Json, Kind::Map) => {
+        (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
+            tree.node(id).name().is_some()
+        }
+        (Syntax::Json, NodeKind::Map) => {
             let mut fields = tree.fields(id);
             let first = fields.next().filter(|_| fields.next().is_none());
             first.is_some_and(|(key, _)| is_capital(document.source(key).trim_matches('"')))

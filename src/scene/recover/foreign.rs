@@ -16,7 +16,7 @@ use crate::{
     },
     text::{
         edit::Edit,
-        syntax::{Kind, NodeId, Syntax, float, string},
+        syntax::{NodeId, NodeKind, Syntax, float, string},
     },
 };
 
@@ -82,8 +82,8 @@ fn numbers(document: Text<'_>, id: NodeId) -> Option<String> {
     // `hsl(…)` are three other numbers.
     let is_known = |name: &str| NAMES.contains(&&*name.to_ascii_lowercase());
     let values: Vec<_> = match tree.node(id).kind() {
-        Kind::Tuple if name.is_some_and(is_known) => tree.children(id).collect(),
-        Kind::Struct | Kind::Map if keys == ["x", "y", "z"] || keys == ["r", "g", "b"] => {
+        NodeKind::Tuple if name.is_some_and(is_known) => tree.children(id).collect(),
+        NodeKind::Struct | NodeKind::Map if keys == ["x", "y", "z"] || keys == ["r", "g", "b"] => {
             tree.fields(id).map(|(_, value)| value).collect()
         }
         _ => return None,
@@ -111,14 +111,16 @@ fn is_gradient(document: Text<'_>, id: NodeId) -> bool {
     let is_named = name.is_some_and(|name| name.to_ascii_lowercase().contains("gradient"));
     let is_color = |value: NodeId| {
         let kind = tree.node(value).kind();
-        matches!(kind, Kind::String | Kind::Tuple | Kind::List)
+        matches!(kind, NodeKind::String | NodeKind::Tuple | NodeKind::List)
     };
     let children = match node.kind() {
-        Kind::Struct | Kind::Map => tree
+        NodeKind::Struct | NodeKind::Map => tree
             .fields(id)
             .filter(|(_, value)| is_color(*value))
             .count(),
-        Kind::Tuple | Kind::List => tree.children(id).filter(|value| is_color(*value)).count(),
+        NodeKind::Tuple | NodeKind::List => {
+            tree.children(id).filter(|value| is_color(*value)).count()
+        }
         _ => 0,
     };
     is_named || children > 1
@@ -136,8 +138,8 @@ pub(super) fn rotation(document: Text<'_>, id: NodeId) -> Option<Advice> {
         }
     };
     let children = match tree.node(id).kind() {
-        Kind::Tuple | Kind::List => tree.children(id).collect(),
-        Kind::Number => vec![id],
+        NodeKind::Tuple | NodeKind::List => tree.children(id).collect(),
+        NodeKind::Number => vec![id],
         _ => Vec::new(),
     };
     let angles = children
@@ -175,8 +177,8 @@ pub(super) fn tagged(document: Text<'_>, id: NodeId, variants: &[&'static str]) 
     let (key, value) = fields.find(|(key, _)| TAGS.contains(&&*name_of(text, tree, *key)))?;
     let source = document.source(value);
     let spelt = match tree.node(value).kind() {
-        Kind::String => string(source, tree.syntax())?,
-        Kind::Name => source.into(),
+        NodeKind::String => string(source, tree.syntax())?,
+        NodeKind::Name => source.into(),
         _ => return None,
     };
     let name = near(&spelt, variants)?;

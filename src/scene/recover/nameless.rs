@@ -7,7 +7,7 @@ use crate::{
     diagnostic::{Diagnostic, Fix},
     scene::{
         format::{
-            field::{Field, Kind as FieldKind},
+            field::{Field, FieldKind},
             scene::Model,
             thing::{Object, OneOf, Thing, Type},
         },
@@ -17,7 +17,7 @@ use crate::{
     text::{
         edit::Edit,
         nearest::quote,
-        syntax::{Fault, Kind, NodeId, Syntax, Tree, string},
+        syntax::{Fault, NodeId, NodeKind, Syntax, Tree, string},
     },
 };
 
@@ -158,14 +158,14 @@ fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
     const NUMBER: Type = Type::Value(FieldKind::Number);
     let node = tree.node(value);
     match node.kind() {
-        Kind::Number => match of_type {
+        NodeKind::Number => match of_type {
             Type::Value(kind) => {
                 !(kind.is_vector() || kind == FieldKind::Interval || kind == FieldKind::Color)
             }
             other => matches!(other, Type::Whole(_)),
         },
-        Kind::Bool(_) => matches!(of_type, Type::Flag),
-        Kind::String => {
+        NodeKind::Bool(_) => matches!(of_type, Type::Flag),
+        NodeKind::String => {
             let source = text.get(node.range()).unwrap_or_default();
             let is_color = string(source, tree.syntax()).is_some_and(|text| text.starts_with('#'));
             match of_type {
@@ -177,7 +177,7 @@ fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
                 _ => false,
             }
         }
-        Kind::Tuple | Kind::List if node.name().is_none() => {
+        NodeKind::Tuple | NodeKind::List if node.name().is_none() => {
             let (item, count) = match of_type {
                 Type::Value(FieldKind::Interval) => (NUMBER, Some(2)),
                 Type::Value(kind) if kind.has_elements() => (NUMBER, Some(3)),
@@ -187,8 +187,8 @@ fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
                 _ => return false,
             };
             let mut items = tree.children(value);
-            let is_tuple =
-                tree.syntax() == Syntax::Json || count.is_some() == (node.kind() == Kind::Tuple);
+            let is_tuple = tree.syntax() == Syntax::Json
+                || count.is_some() == (node.kind() == NodeKind::Tuple);
             is_tuple
                 && count.is_none_or(|count| tree.children(value).count() == count)
                 && items
@@ -196,11 +196,11 @@ fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
                     .is_none_or(|first| admits(item, text, tree, first))
         }
         // A variant is an object with its name as the key.
-        Kind::Tuple | Kind::Struct | Kind::Unit => {
+        NodeKind::Tuple | NodeKind::Struct | NodeKind::Unit => {
             let name = node.name().and_then(|name| text.get(name));
             name.is_some_and(|name| has(of_type, name))
         }
-        Kind::Map => {
+        NodeKind::Map => {
             let first = tree.fields(value).next();
             first.is_some_and(|(key, _)| has(of_type, &name_of(text, tree, key)))
         }

@@ -19,7 +19,7 @@ use crate::{
     },
     text::{
         nearest::quote,
-        syntax::{Kind, NodeId, NumberError, Syntax, float, name, string, whole},
+        syntax::{NodeId, NodeKind, NumberError, Syntax, float, name, string, whole},
     },
 };
 
@@ -70,7 +70,7 @@ impl<'a> Reader<'a, '_> {
     /// Returns the node, if there is one; reports a missing field and a broken value.
     fn node(&self) -> Option<NodeId> {
         match &self.value {
-            Value::Node(id) if self.kind(*id) == Kind::Error => {
+            Value::Node(id) if self.kind(*id) == NodeKind::Error => {
                 self.document.broken(*id, &self.path);
                 None
             }
@@ -91,7 +91,7 @@ impl<'a> Reader<'a, '_> {
         &self,
         expected: &str,
         wants: Wants,
-        is_it: impl Fn(Kind) -> bool,
+        is_it: impl Fn(NodeKind) -> bool,
     ) -> Option<NodeId> {
         let id = self.node()?;
         if is_it(self.kind(id)) {
@@ -102,7 +102,7 @@ impl<'a> Reader<'a, '_> {
         None
     }
 
-    fn kind(&self, id: NodeId) -> Kind {
+    fn kind(&self, id: NodeId) -> NodeKind {
         self.document.tree.node(id).kind()
     }
 
@@ -121,23 +121,23 @@ impl<'a> Reader<'a, '_> {
         }
         let fix = respelt(self.document, id, wants);
         let help = match (node.kind(), named, wants) {
-            (Kind::Tuple | Kind::Struct | Kind::Unit, Some("Some"), _) => {
+            (NodeKind::Tuple | NodeKind::Struct | NodeKind::Unit, Some("Some"), _) => {
                 Some("write the value itself, without `Some`".to_owned())
             }
-            (Kind::String, _, Wants::Number) if fix.is_some() => {
+            (NodeKind::String, _, Wants::Number) if fix.is_some() => {
                 let inside = string(source, self.syntax()).unwrap_or_default();
                 Some(format!("write it without quotes: `{}`", inside.trim()))
             }
-            (Kind::List, _, Wants::Tuple | Wants::Color) if self.syntax() == Syntax::Ron => {
+            (NodeKind::List, _, Wants::Tuple | Wants::Color) if self.syntax() == Syntax::Ron => {
                 Some("a tuple is written in round brackets".to_owned())
             }
-            (Kind::Name, _, Wants::Color) => Some(
+            (NodeKind::Name, _, Wants::Color) => Some(
                 "color names are not supported; write `\"#rrggbb\"` or three numbers".to_owned(),
             ),
-            (Kind::Struct | Kind::Map, None, Wants::Color) => {
+            (NodeKind::Struct | NodeKind::Map, None, Wants::Color) => {
                 Some("write the three numbers alone, without names".to_owned())
             }
-            (Kind::Struct | Kind::Map, None, Wants::Tuple) => {
+            (NodeKind::Struct | NodeKind::Map, None, Wants::Tuple) => {
                 Some("write the values alone, without names".to_owned())
             }
             (_, _, Wants::List) if fix.is_some() => {
@@ -152,7 +152,7 @@ impl<'a> Reader<'a, '_> {
 
     /// The source of a number, if there is one.
     fn number(&self, expected: &str) -> Option<(NodeId, &'a str)> {
-        let id = self.node_of(expected, Wants::Number, |kind| kind == Kind::Number)?;
+        let id = self.node_of(expected, Wants::Number, |kind| kind == NodeKind::Number)?;
         Some((id, self.document.source(id)))
     }
 
@@ -286,7 +286,7 @@ impl<'a> Reader<'a, '_> {
                 Syntax::Json => "an object with named fields",
             };
             let mut diagnostic = self.wrong_type(id, expected, Wants::Other);
-            if (node.kind(), self.syntax()) == (Kind::Map, Syntax::Ron)
+            if (node.kind(), self.syntax()) == (NodeKind::Map, Syntax::Ron)
                 && matches!(path, Trail::Root)
             {
                 let json = "this looks like JSON: give the file the extension `.json`, or \
@@ -325,8 +325,10 @@ impl<'a> Reader<'a, '_> {
     /// Returns true if a node is written as a tuple.
     fn is_tuple(&self, id: NodeId) -> bool {
         match (self.syntax(), self.kind(id)) {
-            (Syntax::Ron, Kind::Tuple | Kind::Unit) => self.document.tree.node(id).name().is_none(),
-            (Syntax::Json, Kind::List) => true,
+            (Syntax::Ron, NodeKind::Tuple | NodeKind::Unit) => {
+                self.document.tree.node(id).name().is_none()
+            }
+            (Syntax::Json, NodeKind::List) => true,
             _ => false,
         }
     }
@@ -354,12 +356,14 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         let expected = (&visitor as &dyn Expected).to_string();
         if expected.starts_with("a number") {
             return match self.value {
-                Value::Node(id) if self.kind(id) == Kind::Number => visitor.visit_f64(self.float()),
+                Value::Node(id) if self.kind(id) == NodeKind::Number => {
+                    visitor.visit_f64(self.float())
+                }
                 _ => visitor.visit_seq(self.tuple(LENGTH, &expected, Wants::Tuple)),
             };
         }
         if let Value::Node(id) = self.value
-            && self.kind(id) == Kind::String
+            && self.kind(id) == NodeKind::String
         {
             let source = self.document.source(id);
             return visitor.visit_str(&string(source, self.syntax()).unwrap_or_default());
@@ -369,8 +373,10 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         let expected = "`true` or `false`";
-        let id = self.node_of(expected, Wants::Other, |kind| matches!(kind, Kind::Bool(_)));
-        visitor.visit_bool(id.is_some_and(|id| self.kind(id) == Kind::Bool(true)))
+        let id = self.node_of(expected, Wants::Other, |kind| {
+            matches!(kind, NodeKind::Bool(_))
+        });
+        visitor.visit_bool(id.is_some_and(|id| self.kind(id) == NodeKind::Bool(true)))
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -378,7 +384,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let id = self.node_of("a string", Wants::Other, |kind| kind == Kind::String);
+        let id = self.node_of("a string", Wants::Other, |kind| kind == NodeKind::String);
         let text = id.and_then(|id| string(self.document.source(id), self.syntax()));
         visitor.visit_str(&text.unwrap_or_default())
     }
@@ -390,7 +396,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match &self.value {
             Value::Missing { .. } | Value::StandIn => visitor.visit_none(),
-            Value::Node(id) if self.kind(*id) == Kind::Null => visitor.visit_none(),
+            Value::Node(id) if self.kind(*id) == NodeKind::Null => visitor.visit_none(),
             Value::Node(_) | Value::Given => visitor.visit_some(self),
         }
     }
@@ -400,7 +406,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Ron => "a list `[…]`",
             Syntax::Json => "an array `[…]`",
         };
-        match self.node_of(expected, Wants::List, |kind| kind == Kind::List) {
+        match self.node_of(expected, Wants::List, |kind| kind == NodeKind::List) {
             Some(id) => visitor.visit_seq(self.elements(id, None, expected, Wants::List)),
             None => visitor.visit_seq(self.no_elements(false)),
         }
@@ -441,7 +447,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Ron => "a map `{\"name\": …}`",
             Syntax::Json => "an object `{\"name\": …}`",
         };
-        let id = self.node_of(expected, Wants::Other, |kind| kind == Kind::Map);
+        let id = self.node_of(expected, Wants::Other, |kind| kind == NodeKind::Map);
         visitor.visit_map(entries(self.document, &self.path, id))
     }
 

@@ -25,7 +25,7 @@ use crate::{
     text::{
         edit::Edit,
         nearest::{list, one_of, quote},
-        syntax::{Kind, NodeId, Syntax, name, string},
+        syntax::{NodeId, NodeKind, Syntax, name, string},
     },
 };
 
@@ -142,22 +142,22 @@ fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
     let tree = document.tree;
     let node = tree.node(id);
     match (tree.syntax(), node.kind()) {
-        (Syntax::Ron, Kind::Name) => Some(Given {
+        (Syntax::Ron, NodeKind::Name) => Some(Given {
             place: node.range(),
             body: None,
             whole: id,
         }),
-        (Syntax::Ron, Kind::Struct | Kind::Tuple | Kind::Unit) => Some(Given {
+        (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => Some(Given {
             place: node.name()?,
             body: Some(id),
             whole: id,
         }),
-        (Syntax::Json, Kind::String) => Some(Given {
+        (Syntax::Json, NodeKind::String) => Some(Given {
             place: node.range(),
             body: None,
             whole: id,
         }),
-        (Syntax::Json, Kind::Map) => {
+        (Syntax::Json, NodeKind::Map) => {
             let mut fields = tree.fields(id);
             match (fields.next(), fields.next()) {
                 (Some((key, body)), None) => Some(Given {
@@ -210,7 +210,7 @@ fn no_variant(
         return diagnostic.with_help(help).with_fix(fix);
     }
     match document.tree.syntax() {
-        Syntax::Ron if kind == Kind::String => {
+        Syntax::Ron if kind == NodeKind::String => {
             let text = document.source(id);
             let spelt = string(text, Syntax::Ron).unwrap_or_default();
             match variants.iter().find(|variant| **variant == spelt) {
@@ -221,7 +221,7 @@ fn no_variant(
                 None => diagnostic,
             }
         }
-        Syntax::Ron if matches!(kind, Kind::Struct | Kind::Tuple | Kind::Unit) => {
+        Syntax::Ron if matches!(kind, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
             let (meant, fix) = match foreign::unnamed(document, id, variants) {
                 Some(meant) => {
                     let start = document.tree.node(id).range().start;
@@ -232,7 +232,7 @@ fn no_variant(
             let help = format!("write its name before the bracket: `{meant}(…)`");
             diagnostic.with_help(help).with_fix(fix)
         }
-        Syntax::Json if kind == Kind::Map => {
+        Syntax::Json if kind == NodeKind::Map => {
             let keys = document.tree.fields(id);
             let keys: Vec<_> = keys.map(|(key, _)| document.source(key)).collect();
             let is = |key: &str, variant: &str| key.trim_matches('"') == variant;
@@ -253,7 +253,7 @@ fn no_variant(
                 "a variant is an object with one key, its name: `{{\"{name}\": {{…}}}}`"
             ))
         }
-        _ if kind == Kind::List => {
+        _ if kind == NodeKind::List => {
             let fix = fix::alone(document, id);
             let help = match (path.last_field(), &fix) {
                 (Some("of"), Some(_)) => "`of` is one solid: write it without the square brackets",
@@ -270,14 +270,14 @@ fn no_variant(
 impl Variant<'_, '_> {
     /// Returns the value in the brackets of a variant, in JSON its value, if it is of this kind;
     /// reports all else.
-    fn content(&self, kind: Kind, expected: &str, example: &str) -> Option<NodeId> {
+    fn content(&self, kind: NodeKind, expected: &str, example: &str) -> Option<NodeId> {
         let (document, name) = (self.document, self.name);
         let Given { body, whole, .. } = self.given.as_ref()?;
         let tree = document.tree;
         let inside = match tree.syntax() {
             Syntax::Ron => body.and_then(|body| {
                 let mut children = tree.children(body);
-                let is_tuple = tree.node(body).kind() == Kind::Tuple;
+                let is_tuple = tree.node(body).kind() == NodeKind::Tuple;
                 let first = children.next().filter(|_| is_tuple);
                 first.filter(|_| children.next().is_none())
             }),
@@ -419,7 +419,7 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
     /// Reads the string in the brackets of a variant, in JSON its value.
     fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         let text = self
-            .content(Kind::String, "a string", "\"…\"")
+            .content(NodeKind::String, "a string", "\"…\"")
             .map(|inside| {
                 let document = self.document;
                 string(document.source(inside), document.tree.syntax()).unwrap_or_default()
@@ -429,7 +429,7 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
 
     /// Reads the list in the brackets of a variant, in JSON its value.
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let list = self.content(Kind::List, "a list", "[…]");
+        let list = self.content(NodeKind::List, "a list", "[…]");
         let Self { document, path, .. } = self;
         visitor.visit_seq(Elements {
             document,
@@ -473,8 +473,8 @@ fn with_fields(syntax: Syntax, name: &str, known: &[&str]) -> String {
 pub(super) fn has_fields(document: Text<'_>, id: NodeId) -> bool {
     let tree = document.tree;
     match (tree.syntax(), tree.node(id).kind()) {
-        (Syntax::Ron, Kind::Struct | Kind::Unit) | (Syntax::Json, Kind::Map) => true,
-        (Syntax::Ron, Kind::Tuple) => tree.children(id).next().is_none(),
+        (Syntax::Ron, NodeKind::Struct | NodeKind::Unit) | (Syntax::Json, NodeKind::Map) => true,
+        (Syntax::Ron, NodeKind::Tuple) => tree.children(id).next().is_none(),
         _ => false,
     }
 }

@@ -235,7 +235,7 @@ mod tests {
             recover::name_of,
             tests::oracle,
         },
-        text::syntax::{Kind, NodeId, Tree},
+        text::syntax::{NodeId, NodeKind, Tree},
     };
 
     const RON: &str = r##"(
@@ -290,8 +290,8 @@ mod tests {
         let source = |id| text[tree.node(id).range()].to_owned();
         match tree.node(node).kind() {
             // `Named("Gold")`, which has no elements.
-            Kind::Tuple if tree.node(node).name().is_some() => {}
-            Kind::List | Kind::Tuple => {
+            NodeKind::Tuple if tree.node(node).name().is_some() => {}
+            NodeKind::List | NodeKind::Tuple => {
                 for (index, child) in tree.children(node).enumerate() {
                     let path = format!("{path}[{index}]");
                     all.push((path.clone(), source(child)));

@@ -19,21 +19,21 @@ use crate::{
             scene::Model,
             thing::{Follow, Record, Type, Variant},
         },
-        path::Part,
+        path::PathPart,
         problem::syntax_fault,
         recover::{fix::removal, name_of, recover_at},
         unknown,
     },
     text::{
         nearest::{nearest, quote},
-        syntax::{self, Kind, NodeId, Syntax, Tree},
+        syntax::{self, NodeId, NodeKind, Syntax, Tree},
     },
 };
 
 /// Sets the value at the end of `steps` in a model, or nothing if there are faults.
 pub(super) fn fill(
     model: &mut Model,
-    steps: &[Part],
+    steps: &[PathPart],
     value: &Value,
     syntax: Syntax,
 ) -> Result<(), Vec<Diagnostic>> {
@@ -48,7 +48,7 @@ pub(super) fn fill(
 
 /// A value on its way to its place.
 struct Fill<'a> {
-    steps: &'a [Part],
+    steps: &'a [PathPart],
     value: &'a Value,
     syntax: Syntax,
     /// The way so far.
@@ -93,7 +93,9 @@ impl Follow for Fill<'_> {
         }
         let text = convert::write(value, self.syntax);
         let tree = syntax::parse(&text, self.syntax);
-        let root = tree.root().filter(|id| tree.node(*id).kind() != Kind::Null);
+        let root = tree
+            .root()
+            .filter(|id| tree.node(*id).kind() != NodeKind::Null);
         *value = match root {
             None => self.create(None, None)?,
             Some(root) => {
@@ -108,7 +110,7 @@ impl Follow for Fill<'_> {
 
 impl<'a> Fill<'a> {
     /// The rest of the way.
-    fn inside(&self) -> &'a [Part] {
+    fn inside(&self) -> &'a [PathPart] {
         self.steps.get(self.path.len()..).unwrap_or_default()
     }
 
@@ -126,12 +128,12 @@ impl<'a> Fill<'a> {
             let entry =
                 |(key, _): &(NodeId, NodeId)| part.name() == Some(&*name_of(text, tree, *key));
             node = match (tree.node(node).kind(), &part.step) {
-                (Kind::List | Kind::Tuple, Step::Index(at)) => {
+                (NodeKind::List | NodeKind::Tuple, Step::Index(at)) => {
                     let element = tree.children(node).nth(*at);
                     element.ok_or_else(|| no_element(part, *at, tree.children(node).count()))?
                 }
                 (_, Step::Index(_)) => return Err(no_list(part)),
-                (Kind::Map, _) => match tree.fields(node).find(entry) {
+                (NodeKind::Map, _) => match tree.fields(node).find(entry) {
                     Some((key, value)) if rest.is_empty() && self.value.removes => {
                         let entry = tree.node(key).range().start..tree.node(value).range().end;
                         let removal = removal(text, tree, entry).map(|edit| edit.range);
@@ -244,14 +246,14 @@ impl<'a> Fill<'a> {
     /// Returns the diagnostic of a missing value that the setting needs.
     fn not_given(&self, index: usize) -> Diagnostic {
         let part = self.steps.get(index);
-        let name = quote(part.and_then(Part::name).unwrap_or_default());
+        let name = quote(part.and_then(PathPart::name).unwrap_or_default());
         let range = part.map(|part| part.range.clone()).unwrap_or_default();
         let message = format!("{name} is not given: nothing in it can be set");
         Diagnostic::new(Code::UnknownPath, range, message)
     }
 
     /// Returns the diagnostic of the next step, which leads nowhere in a thing.
-    fn nowhere<T: Record>(&self, thing: &T, part: &Part) -> Vec<Diagnostic> {
+    fn nowhere<T: Record>(&self, thing: &T, part: &PathPart) -> Vec<Diagnostic> {
         let mut steps = Vec::new();
         let _ = thing.things(&mut |step, _| {
             steps.push(step);
@@ -284,7 +286,7 @@ impl<'a> Fill<'a> {
     }
 
     /// Returns the diagnostic of the name of a map that is not one of `known`.
-    fn no_entry(&self, part: &Part, known: &[Cow<'_, str>]) -> Diagnostic {
+    fn no_entry(&self, part: &PathPart, known: &[Cow<'_, str>]) -> Diagnostic {
         let known: Vec<_> = known.iter().map(|name| &**name).collect();
         // One of the `cameras` is a camera.
         let map = self.path.last().and_then(Step::name).unwrap_or_default();
@@ -309,7 +311,7 @@ fn meant(variants: &[Variant], field: &str) -> Option<Variant> {
 }
 
 /// Returns a key as written in an object or a map.
-fn key(part: &Part, is_object: bool, syntax: Syntax) -> Result<String, Diagnostic> {
+fn key(part: &PathPart, is_object: bool, syntax: Syntax) -> Result<String, Diagnostic> {
     let name = part.name().unwrap_or_default();
     if !is_object || syntax == Syntax::Json {
         return Ok(serde_json::Value::from(name).to_string());
@@ -321,18 +323,18 @@ fn key(part: &Part, is_object: bool, syntax: Syntax) -> Result<String, Diagnosti
     }
 }
 
-fn fault(part: &Part, message: String) -> Diagnostic {
+fn fault(part: &PathPart, message: String) -> Diagnostic {
     Diagnostic::new(Code::UnknownPath, part.range.clone(), message)
 }
 
-fn no_list(part: &Part) -> Diagnostic {
+fn no_list(part: &PathPart) -> Diagnostic {
     fault(part, "not a list: it has no elements".to_owned())
 }
 
-fn no_struct(part: &Part) -> Diagnostic {
+fn no_struct(part: &PathPart) -> Diagnostic {
     fault(part, "not a struct: it has no fields".to_owned())
 }
 
-fn no_element(part: &Part, at: usize, count: usize) -> Diagnostic {
+fn no_element(part: &PathPart, at: usize, count: usize) -> Diagnostic {
     fault(part, format!("there is no element {at}, there are {count}"))
 }

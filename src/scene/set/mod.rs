@@ -17,7 +17,7 @@ pub use lookup::FieldLookup;
 pub(crate) use lookup::look_up;
 pub use parse::SettingError;
 
-use crate::{scene::path::Part, text::syntax::Syntax};
+use crate::{scene::path::PathPart, text::syntax::Syntax};
 
 /// A value that replaces one of a scene, or adds to it.
 ///
@@ -42,7 +42,7 @@ use crate::{scene::path::Part, text::syntax::Syntax};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
     text: String,
-    steps: Vec<Part>,
+    steps: Vec<PathPart>,
     /// The start of the value.
     value: usize,
     /// The syntax of the value; that of the scene if it is not known.

@@ -16,7 +16,7 @@ use crate::{
         },
         format::{
             animation::{Interpolation, Key, Track},
-            field::{Kind, Triple},
+            field::{FieldKind, Triple},
             scene::Model,
             thing::Thing,
             transform::ScaleModel,
@@ -166,7 +166,7 @@ impl Found {
         match target.component {
             None => self.number_of(target.kind, number, path, target.field),
             Some(_) => {
-                let is_color = target.kind == Kind::Color;
+                let is_color = target.kind == FieldKind::Color;
                 if self.number(number, path) && is_color && !(0.0..=1.0).contains(&number) {
                     self.push(super::field::clamped(path()));
                 }
@@ -215,14 +215,17 @@ impl Found {
                 // The numbers of a direction may all be 0 at once, and two points may meet; all other
                 // values stay between their keys.
                 Owner::Geometry(_) => {
-                    matches!(target.kind, Kind::Direction | Kind::Point | Kind::Way)
+                    matches!(
+                        target.kind,
+                        FieldKind::Direction | FieldKind::Point | FieldKind::Way
+                    )
                 }
                 // One end of a range may pass the other.
                 Owner::ColorBy(_) => target.component.is_some(),
                 // A scale may be 0 between a positive and a negative one.
-                Owner::Transform(..) | Owner::Rotation(..) => target.kind != Kind::Point,
+                Owner::Transform(..) | Owner::Rotation(..) => target.kind != FieldKind::Point,
                 // A light may meet the point that it is aimed at.
-                Owner::Light(_) => matches!(target.kind, Kind::Direction | Kind::Point),
+                Owner::Light(_) => matches!(target.kind, FieldKind::Direction | FieldKind::Point),
                 Owner::Scene
                 | Owner::Image
                 | Owner::Outlines

@@ -9,7 +9,7 @@ use crate::{
         format::{
             color::ColorModel,
             color_names,
-            field::{Field, Interval, Kind, Range, Triple, Value},
+            field::{Field, FieldKind, Interval, Range, Triple, Value},
         },
         problem::{Cure, Focus, Problem},
         recover::NO_NUMBER,
@@ -42,7 +42,7 @@ impl Found {
                 number.is_finite() && kind.range().is_none_or(|range| range.holds(number))
             }
             Value::Vector(vector) => {
-                kind != Kind::Direction && vector.iter().all(|number| number.is_finite())
+                kind != FieldKind::Direction && vector.iter().all(|number| number.is_finite())
             }
             Value::Interval([low, high]) => low.is_finite() && high.is_finite() && low < high,
             Value::Color(color) => matches!(color, ColorModel::Hex(_)),
@@ -64,7 +64,7 @@ impl Found {
         match value {
             Value::Number(number) => self.number_of(kind, number, path, name),
             Value::Vector(vector) => {
-                if self.finite(vector, path) && kind == Kind::Direction {
+                if self.finite(vector, path) && kind == FieldKind::Direction {
                     let what = format!("`{name}`");
                     self.direction(DVec3::from(*vector), &what, path);
                 }
@@ -98,7 +98,7 @@ impl Found {
     /// Checks one number against a kind.
     pub(super) fn number_of(
         &mut self,
-        kind: Kind,
+        kind: FieldKind,
         number: f64,
         path: impl Fn() -> Path,
         name: &str,
@@ -112,7 +112,7 @@ impl Found {
         let message = format!("`{name}` must be {range}");
         let problem = Problem::of_value(Code::OutOfRange, path(), message);
         self.push(match kind {
-            Kind::Angle if name == "fov" => problem.help(format!(
+            FieldKind::Angle if name == "fov" => problem.help(format!(
                 "`{name}` is the full vertical angle of view, in degrees"
             )),
             _ => problem,

@@ -17,7 +17,7 @@ use crate::{
         problem::{Focus, Problem},
         tables::Tables,
         validate::{Found, enclosed::enclosed, eye::is_glass},
-        view::View,
+        view::ViewSpace,
     },
     text::nearest::quote,
     tracer::shape::plane::Plane,
@@ -179,7 +179,7 @@ fn unseen(
     let views = cameras.all_cameras();
     let views = views.map(|(_, camera)| {
         let size = cameras.sides();
-        View::of(&framing.build(camera, size, number).ok()?, size)
+        ViewSpace::of(&framing.build(camera, size, number).ok()?, size)
     });
     let views = views.collect::<Option<Vec<_>>>()?;
     let is_unseen = |leaf: &Leaf| {
@@ -285,7 +285,7 @@ fn is_blind(
 ) -> bool {
     // One that frames the geometries has no place of its own, and sees them.
     let view = camera.build().ok();
-    let Some(view) = view.and_then(|camera| View::of(&camera, scene.sides())) else {
+    let Some(view) = view.and_then(|camera| ViewSpace::of(&camera, scene.sides())) else {
         return false;
     };
     world.leaves().all(|leaf| {

@@ -11,7 +11,7 @@ use std::iter::once;
 
 use crate::text::{
     print::printer::Printer,
-    syntax::{Kind, Tree},
+    syntax::{NodeKind, Tree},
 };
 
 /// Formats a tree without syntax faults in the canonical format.
@@ -26,8 +26,12 @@ pub(crate) fn format(text: &str, tree: &Tree) -> String {
 /// Returns the line ending of the first line that does not end inside a string.
 fn line_end(text: &str, tree: &Tree) -> &'static str {
     let nodes = tree.ids().map(|id| tree.node(id));
-    let strings =
-        nodes.filter(|node| matches!(node.kind(), Kind::String | Kind::Bytes | Kind::Char));
+    let strings = nodes.filter(|node| {
+        matches!(
+            node.kind(),
+            NodeKind::String | NodeKind::Bytes | NodeKind::Char
+        )
+    });
     let mut start = 0;
     for string in strings
         .map(|node| node.range())

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::text::{
     print::comments::Comments,
-    syntax::{Comment, CommentKind, Kind, NodeId, Syntax, Tree},
+    syntax::{Comment, CommentKind, NodeId, NodeKind, Syntax, Tree},
 };
 
 /// Maximum line length in characters.
@@ -306,21 +306,21 @@ impl<'a> Printer<'a> {
     }
 }
 
-fn is_container(kind: Kind) -> bool {
+fn is_container(kind: NodeKind) -> bool {
     matches!(
         kind,
-        Kind::Unit | Kind::Tuple | Kind::Struct | Kind::List | Kind::Map
+        NodeKind::Unit | NodeKind::Tuple | NodeKind::Struct | NodeKind::List | NodeKind::Map
     )
 }
 
-fn is_keyed(kind: Kind) -> bool {
-    matches!(kind, Kind::Struct | Kind::Map)
+fn is_keyed(kind: NodeKind) -> bool {
+    matches!(kind, NodeKind::Struct | NodeKind::Map)
 }
 
-fn brackets(kind: Kind) -> (char, char) {
+fn brackets(kind: NodeKind) -> (char, char) {
     match kind {
-        Kind::List => ('[', ']'),
-        Kind::Map => ('{', '}'),
+        NodeKind::List => ('[', ']'),
+        NodeKind::Map => ('{', '}'),
         _ => ('(', ')'),
     }
 }
@@ -358,7 +358,7 @@ fn width(text: &str, tree: &Tree, widths: &[Option<u8>], id: NodeId) -> Option<u
     for (index, child) in children.enumerate() {
         let kind = tree.node(child).kind();
         let is_struct = is_keyed(kind) || tree.node(child).name().is_some();
-        if node.kind() == Kind::List && is_struct {
+        if node.kind() == NodeKind::List && is_struct {
             return None;
         }
         let separator = if index > 0 { SEPARATOR } else { 0 };

@@ -4,7 +4,7 @@ use super::fault::{Habit, cure};
 use super::frame::{Closed, Frame, Layout, Suspect};
 use super::lexer::{Bracket, Token, TokenKind};
 use super::parser::{Parser, State};
-use super::tree::Kind;
+use super::tree::NodeKind;
 use crate::text::edit::Edit;
 
 impl Parser<'_> {
@@ -22,7 +22,7 @@ impl Parser<'_> {
             node.end = end;
             node.after = after;
             if frame.layout == Layout::Undecided && node.name_len == 0 {
-                node.kind = Kind::Unit;
+                node.kind = NodeKind::Unit;
             }
         }
         if frame.layout == Layout::Undecided {

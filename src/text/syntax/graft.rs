@@ -3,10 +3,10 @@
 
 use std::ops::Range;
 
-use super::tree::{Comment, Kind, NONE, Node, NodeId, Tree};
+use super::tree::{Comment, NONE, Node, NodeId, NodeKind, Tree};
 
 /// Elements of a list that were left out of a text.
-pub(crate) struct Part {
+pub(crate) struct OmittedElements {
     /// The offset where they were left out: that of the next element.
     pub(crate) at: usize,
     pub(crate) elements: Vec<Element>,
@@ -37,7 +37,7 @@ impl Tree {
     pub(crate) fn graft(
         &self,
         old: &Self,
-        parts: &[Part],
+        parts: &[OmittedElements],
         outer: impl Fn(&Range<usize>) -> Range<usize>,
     ) -> Option<Self> {
         if !self.faults.is_empty() {
@@ -56,7 +56,7 @@ impl Tree {
                 .partition_point(|node| (node.start as usize) < part.at);
             let next = self.nodes.get(front)?;
             let list = self.node(next.parent()?);
-            if next.start as usize != part.at || list.kind != Kind::List {
+            if next.start as usize != part.at || list.kind != NodeKind::List {
                 return None;
             }
             let counts = part.elements.iter();

@@ -4,7 +4,7 @@ use super::fault::{Habit, cure};
 use super::frame::Layout;
 use super::lexer::{Bracket, Token, TokenKind, shorten};
 use super::parser::{Parser, State};
-use super::tree::Kind;
+use super::tree::NodeKind;
 use super::value::{is_variant, starts_value};
 use crate::text::edit::Edit;
 
@@ -96,9 +96,9 @@ impl Parser<'_> {
             (TokenKind::Number, TokenKind::Colon) => {
                 let what = if json { "a string as key" } else { name };
                 self.expected(what, "a name is written before the colon");
-                self.key(Kind::Error)
+                self.key(NodeKind::Error)
             }
-            (TokenKind::Unknown, TokenKind::Colon) => self.key(Kind::Error),
+            (TokenKind::Unknown, TokenKind::Colon) => self.key(NodeKind::Error),
             (TokenKind::Unknown, _) => {
                 self.advance();
                 State::Item
@@ -113,22 +113,22 @@ impl Parser<'_> {
                 if json {
                     self.tell_unquoted_key();
                 }
-                self.key(Kind::Name)
+                self.key(NodeKind::Name)
             }
             (TokenKind::String, TokenKind::Colon) => {
                 let top = self.frames.last();
                 if top.is_some_and(|frame| frame.layout == Layout::Struct) {
                     self.tell_quoted_field();
                 }
-                self.key(Kind::String)
+                self.key(NodeKind::String)
             }
             (TokenKind::Name, TokenKind::Open(_))
                 if is_variant(self.lexer.slice(token.range())) =>
             {
                 self.misfit()
             }
-            (TokenKind::Name, _) => self.key_without_colon(Kind::Name),
-            (TokenKind::String, _) if json => self.key_without_colon(Kind::String),
+            (TokenKind::Name, _) => self.key_without_colon(NodeKind::Name),
+            (TokenKind::String, _) if json => self.key_without_colon(NodeKind::String),
             _ => self.misfit(),
         }
     }
@@ -165,13 +165,13 @@ impl Parser<'_> {
     }
 
     /// Reads a key and its colon.
-    fn key(&mut self, kind: Kind) -> State {
+    fn key(&mut self, kind: NodeKind) -> State {
         self.push_node(self.token.range(), kind);
         self.drop_key()
     }
 
     /// Reads a key without a colon after it.
-    fn key_without_colon(&mut self, kind: Kind) -> State {
+    fn key_without_colon(&mut self, kind: NodeKind) -> State {
         let key = self.token.range();
         self.push_node(key.clone(), kind);
         self.advance();

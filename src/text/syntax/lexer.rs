@@ -99,7 +99,7 @@ pub(super) struct Lexer<'t> {
 }
 
 /// A lexer position to return to.
-pub(super) struct Place(usize, usize, usize, bool, bool, usize, Mark);
+pub(super) struct Checkpoint(usize, usize, usize, bool, bool, usize, Mark);
 
 pub(super) fn is_raw_name(c: char) -> bool {
     matches!(c, '.' | '+' | '-') || is_xid_continue(c)
@@ -127,9 +127,9 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    pub(crate) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> Checkpoint {
         let (marks, comments) = (self.faults.mark(), self.comments.len());
-        Place(
+        Checkpoint(
             self.pos,
             self.line,
             self.indent,
@@ -142,7 +142,7 @@ impl<'t> Lexer<'t> {
 
     /// Returns to a position, but keeps the knowledge about strings; otherwise each lookahead would
     /// scan them again.
-    pub(crate) fn reset(&mut self, place: Place) {
+    pub(crate) fn reset(&mut self, place: Checkpoint) {
         (self.pos, self.line, self.indent) = (place.0, place.1, place.2);
         (self.fresh, self.cut_off) = (place.3, place.4);
         self.comments.truncate(place.5);

@@ -44,7 +44,7 @@ pub(crate) use fault::{Fault, max_faults};
 pub use language::Syntax;
 pub(crate) use number::{NumberError, float, whole};
 pub(crate) use text::{name, string};
-pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
+pub(crate) use tree::{Children, Comment, CommentKind, NodeId, NodeKind, Tree};
 pub(crate) use trivia::{block_comment, line_comment};
 
 /// Maximum number of open brackets, as in `serde_json`; the limit of `ron` is lower and depends on

@@ -13,7 +13,7 @@ use super::{
 };
 use super::{
     language::Syntax,
-    tree::{Kind, NONE, Node, Tree},
+    tree::{NONE, Node, NodeKind, Tree},
 };
 use crate::text::edit::Edit;
 
@@ -206,7 +206,7 @@ impl<'t> Parser<'t> {
             && self.peek().kind == TokenKind::Colon
     }
 
-    pub(crate) fn push_node(&mut self, range: Range<u32>, kind: Kind) -> u32 {
+    pub(crate) fn push_node(&mut self, range: Range<u32>, kind: NodeKind) -> u32 {
         let id = self.nodes.len() as u32;
         let parent = self.frames.last().map_or(NONE, |frame| frame.node);
         let node = Node {
@@ -223,10 +223,10 @@ impl<'t> Parser<'t> {
 
     /// Adds a hole where a node is missing.
     pub(crate) fn push_hole(&mut self) {
-        self.push_node(self.previous_end..self.previous_end, Kind::Error);
+        self.push_node(self.previous_end..self.previous_end, NodeKind::Error);
     }
 
-    pub(crate) fn leaf(&mut self, kind: Kind) -> State {
+    pub(crate) fn leaf(&mut self, kind: NodeKind) -> State {
         self.push_node(self.token.range(), kind);
         self.advance();
         self.after_value()
@@ -267,10 +267,10 @@ impl<'t> Parser<'t> {
             self.lexer.cut_off = true;
         }
         let kind = match layout {
-            Layout::List => Kind::List,
-            Layout::Map => Kind::Map,
-            Layout::Struct => Kind::Struct,
-            Layout::Undecided | Layout::Tuple => Kind::Tuple,
+            Layout::List => NodeKind::List,
+            Layout::Map => NodeKind::Map,
+            Layout::Struct => NodeKind::Struct,
+            Layout::Undecided | Layout::Tuple => NodeKind::Tuple,
         };
         let node = self.push_node(start..at.end, kind);
         if let Some(node) = self.nodes.get_mut(node as usize) {
@@ -313,8 +313,8 @@ impl<'t> Parser<'t> {
         if let Some(frame) = self.frames.last_mut() {
             frame.layout = layout;
             let kind = match layout {
-                Layout::Struct => Kind::Struct,
-                Layout::Map => Kind::Map,
+                Layout::Struct => NodeKind::Struct,
+                Layout::Map => NodeKind::Map,
                 _ => return,
             };
             self.keyed.push(index - 1);
@@ -383,7 +383,7 @@ impl<'t> Parser<'t> {
                 if self
                     .nodes
                     .last()
-                    .is_none_or(|node| node.kind != Kind::Error)
+                    .is_none_or(|node| node.kind != NodeKind::Error)
                 {
                     self.expected_separator("a field has one colon");
                 }
@@ -408,10 +408,10 @@ impl<'t> Parser<'t> {
             && node.end == end
             && !matches!(
                 node.kind,
-                Kind::Struct | Kind::Map | Kind::Tuple | Kind::List
+                NodeKind::Struct | NodeKind::Map | NodeKind::Tuple | NodeKind::List
             )
         {
-            (node.kind, node.end) = (Kind::Error, token.end);
+            (node.kind, node.end) = (NodeKind::Error, token.end);
             self.lexer.faults.blame_value(token.start);
         }
     }

@@ -5,7 +5,7 @@ use super::fault::cure;
 use super::frame::{Frame, Layout};
 use super::lexer::{Bracket, Token, TokenKind, shorten};
 use super::parser::{Parser, State};
-use super::tree::{Kind, NodeId};
+use super::tree::{NodeId, NodeKind};
 use super::value::{is_variant, starts_value};
 use crate::text::edit::Edit;
 
@@ -181,7 +181,7 @@ impl Parser<'_> {
             return false;
         };
         let name = self.lexer.slice(owner.start..owner.start + owner.name_len);
-        let is_string = first.kind == Kind::String && first.after as usize == self.nodes.len();
+        let is_string = first.kind == NodeKind::String && first.after as usize == self.nodes.len();
         // A value behind the bracket, and a key on a later line: the bracket is not closed.
         let before = self.lexer.slice(top.open_end..first.start);
         let is_later = self.token.line != top.line && !before.contains('\n');

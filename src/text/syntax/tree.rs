@@ -19,7 +19,7 @@ impl NodeId {
 
 /// The kind of a node. Its value is the text at its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum NodeKind {
     /// JSON `null`, RON `None`.
     Null,
     /// `true` or `false`.
@@ -59,7 +59,7 @@ pub(crate) struct Node {
     /// The id after the last descendant: the next sibling, if there is one.
     pub(super) after: u32,
     pub(super) name_len: u32,
-    pub(super) kind: Kind,
+    pub(super) kind: NodeKind,
 }
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -74,7 +74,7 @@ impl Node {
 
     /// Returns the kind of the node.
     #[must_use]
-    pub(crate) fn kind(&self) -> Kind {
+    pub(crate) fn kind(&self) -> NodeKind {
         self.kind
     }
 
@@ -135,7 +135,7 @@ static STRANGER: Node = Node {
     parent: NONE,
     after: 0,
     name_len: 0,
-    kind: Kind::Error,
+    kind: NodeKind::Error,
 };
 
 impl Tree {
@@ -165,7 +165,7 @@ impl Tree {
         self.nodes.len()
     }
 
-    /// Returns a node of this tree; an id of another tree may give a node of [`Kind::Error`].
+    /// Returns a node of this tree; an id of another tree may give a node of [`NodeKind::Error`].
     #[must_use]
     pub(crate) fn node(&self, id: NodeId) -> &Node {
         self.nodes.get(id.index()).unwrap_or(&STRANGER)
@@ -189,7 +189,7 @@ impl Tree {
 
     /// Returns the key and value of each field of a struct or map; empty for other nodes.
     pub(crate) fn fields(&self, id: NodeId) -> impl Iterator<Item = (NodeId, NodeId)> + '_ {
-        let keyed = matches!(self.node(id).kind, Kind::Struct | Kind::Map);
+        let keyed = matches!(self.node(id).kind, NodeKind::Struct | NodeKind::Map);
         let mut children = self.children(id);
         std::iter::from_fn(move || {
             if keyed {

@@ -5,18 +5,18 @@ use super::frame::Layout;
 use super::lexer::{Bracket, TokenKind, shorten};
 use super::number;
 use super::parser::{Parser, State};
-use super::tree::Kind;
+use super::tree::NodeKind;
 use crate::text::edit::Edit;
 
 impl Parser<'_> {
     pub(crate) fn value(&mut self) -> State {
         let token = self.token;
         match token.kind {
-            TokenKind::Number => self.leaf(Kind::Number),
+            TokenKind::Number => self.leaf(NodeKind::Number),
             TokenKind::String if self.at_key() && self.in_field() => self.missing_value(),
-            TokenKind::String => self.leaf(Kind::String),
-            TokenKind::Char => self.leaf(Kind::Char),
-            TokenKind::Bytes => self.leaf(Kind::Bytes),
+            TokenKind::String => self.leaf(NodeKind::String),
+            TokenKind::Char => self.leaf(NodeKind::Char),
+            TokenKind::Bytes => self.leaf(NodeKind::Bytes),
             TokenKind::Open(bracket) => {
                 let layout = match bracket {
                     Bracket::Round => Layout::Undecided,
@@ -48,7 +48,7 @@ impl Parser<'_> {
                 if ends_value(next.kind) {
                     self.lexer.faults.blame_value(token.start);
                 }
-                self.leaf(Kind::Error)
+                self.leaf(NodeKind::Error)
             }
             TokenKind::Colon | TokenKind::Equals => {
                 self.expected("a value", "remove it");
@@ -120,22 +120,22 @@ impl Parser<'_> {
             _ => {}
         }
         self.leaf(match text {
-            "true" => Kind::Bool(true),
-            "false" => Kind::Bool(false),
-            "None" => Kind::Null,
-            _ if number::ron_word(text).is_some() => Kind::Number,
-            _ => Kind::Name,
+            "true" => NodeKind::Bool(true),
+            "false" => NodeKind::Bool(false),
+            "None" => NodeKind::Null,
+            _ if number::ron_word(text).is_some() => NodeKind::Number,
+            _ => NodeKind::Name,
         })
     }
 
     fn json_word(&mut self, text: &str) -> State {
         let kind = match text {
-            "null" => Kind::Null,
-            "true" => Kind::Bool(true),
-            "false" => Kind::Bool(false),
-            _ => Kind::Error,
+            "null" => NodeKind::Null,
+            "true" => NodeKind::Bool(true),
+            "false" => NodeKind::Bool(false),
+            _ => NodeKind::Error,
         };
-        if kind == Kind::Error {
+        if kind == NodeKind::Error {
             if let TokenKind::Open(bracket) = self.peek().kind {
                 // `Sphere(…)`: the node of the bracket represents the variant.
                 self.tell_ron();

@@ -19,7 +19,7 @@ use crate::tracer::{
     camera::{
         basis::Basis,
         orthographic::pixels,
-        rigid::{Farthest, Place, Rigid},
+        rigid::{Farthest, Rigid, RigidPlace},
     },
     error::GeometryError,
     shape::{Extent, Shape},
@@ -153,7 +153,7 @@ impl Extremes {
     pub(crate) fn add_rigid(
         &mut self,
         rigid: &Rigid,
-        place: &mut Place,
+        place: &mut RigidPlace,
         turned: Option<(&Turntable, usize)>,
     ) {
         let turned =

@@ -50,7 +50,7 @@ struct Box3 {
 }
 
 /// Where shapes that move as one are at a time.
-pub(crate) struct Place {
+pub(crate) struct RigidPlace {
     placer: Placer,
     /// The product of the transforms, if there are some.
     product: Option<Transform>,
@@ -81,7 +81,7 @@ impl Farthest {
     }
 }
 
-impl Place {
+impl RigidPlace {
     /// Creates a place from transforms, from outermost to innermost; `None` if a product of them
     /// cannot be inverted.
     pub(crate) fn new(levels: &[Arc<Transform>]) -> Option<Self> {
@@ -150,7 +150,7 @@ impl Rigid {
     /// `beyond` more than that of the point itself, up to an error.
     pub(crate) fn search(
         &self,
-        place: &mut Place,
+        place: &mut RigidPlace,
         direction: DVec3,
         (beyond, error): (f64, f64),
         see: impl Fn(DVec3) -> (f64, DVec3),
@@ -304,7 +304,7 @@ mod tests {
             let (mut one, mut all) = (Extremes::new(&directions), Extremes::new(&directions));
             for _ in 0..1 + rng.below(3) {
                 let levels: Vec<_> = (0..rng.below(4)).map(|_| transform(&mut rng)).collect();
-                one.add_rigid(&rigid, &mut Place::new(&levels).unwrap(), turned);
+                one.add_rigid(&rigid, &mut RigidPlace::new(&levels).unwrap(), turned);
                 let mut placer = Placer::new(&levels);
                 for shape in &shapes {
                     let Ok(shape) = placer.place(shape.clone()) else {
@@ -329,7 +329,7 @@ mod tests {
         let rigid = Rigid::new(shell, &|| false);
         let looks = Cell::new(0);
         for _ in 0..100 {
-            let mut place = Place::new(&[transform(&mut rng)]).unwrap();
+            let mut place = RigidPlace::new(&[transform(&mut rng)]).unwrap();
             let n = unit(rng.vector());
             let see = |p: DVec3| {
                 looks.set(looks.get() + 1);
@@ -348,11 +348,11 @@ mod tests {
         let small = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let rigid = Rigid::new(vec![small.into(), large.into()], &|| false);
         let mut extremes = Extremes::new(&[unit(DVec3::ONE)]);
-        extremes.add_rigid(&rigid, &mut Place::new(&[]).unwrap(), None);
+        extremes.add_rigid(&rigid, &mut RigidPlace::new(&[]).unwrap(), None);
         assert!(!extremes.found().0);
         let none = Rigid::new(Vec::new(), &|| false);
         let mut extremes = Extremes::new(&[DVec3::X]);
-        extremes.add_rigid(&none, &mut Place::new(&[]).unwrap(), None);
+        extremes.add_rigid(&none, &mut RigidPlace::new(&[]).unwrap(), None);
         assert_eq!(extremes.found().1[0].0, f64::NEG_INFINITY);
     }
 }

@@ -40,7 +40,7 @@ enum Column {
 
 /// The kind of an atom.
 #[derive(Clone, Copy)]
-struct Kind {
+struct AtomKind {
     /// The atomic number, or the number of the type; NaN if there is none.
     number: f64,
     element: &'static Element,
@@ -100,7 +100,7 @@ impl<'a> Atoms<'a> {
     fn push(
         &mut self,
         center: [f64; 3],
-        Kind { number, element }: Kind,
+        AtomKind { number, element }: AtomKind,
         line: u64,
         mut more: impl FnMut(&mut Rows, Column) -> Option<f64>,
     ) -> io::Result<()> {
@@ -164,9 +164,9 @@ impl<'a> Atoms<'a> {
     }
 
     /// Returns the kind of the next row, an element or anything else, for which a neutral atom stands.
-    fn kind(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
+    fn kind(&mut self, text: &str, at: &impl Fn(usize) -> At) -> AtomKind {
         if let Some((number, element)) = Element::of(text) {
-            return Kind {
+            return AtomKind {
                 number: f64::from(number),
                 element,
             };
@@ -185,7 +185,7 @@ impl<'a> Atoms<'a> {
     }
 
     /// Returns the kind of the next row, whose type is a number that is not an atomic number, or a name.
-    fn type_of(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
+    fn type_of(&mut self, text: &str, at: &impl Fn(usize) -> At) -> AtomKind {
         if text.parse::<u32>().is_ok() {
             self.neutral(text, at)
         } else {
@@ -194,7 +194,7 @@ impl<'a> Atoms<'a> {
     }
 
     /// Returns the kind of the next row, which is a type with a letter as its name.
-    fn lettered(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
+    fn lettered(&mut self, text: &str, at: &impl Fn(usize) -> At) -> AtomKind {
         let why = match text {
             "A" => "is not an element",
             _ => "is a type as `A` is, and not an element",
@@ -202,12 +202,12 @@ impl<'a> Atoms<'a> {
         self.gray(text, why, at)
     }
 
-    fn neutral(&mut self, text: &str, at: &impl Fn(usize) -> At) -> Kind {
+    fn neutral(&mut self, text: &str, at: &impl Fn(usize) -> At) -> AtomKind {
         self.gray(text, "is not an element", at)
     }
 
     /// Returns the kind of an atom that is not an element, for this reason.
-    fn gray(&mut self, text: &str, why: &str, at: &impl Fn(usize) -> At) -> Kind {
+    fn gray(&mut self, text: &str, why: &str, at: &impl Fn(usize) -> At) -> AtomKind {
         if self.needs_elements && !text.is_empty() {
             let row = self.rows.rows;
             self.rows.note(Wrong::Kind, "", || {
@@ -217,7 +217,7 @@ impl<'a> Atoms<'a> {
                 fault.help("write elements, or give a `radius` and `color` or `color_by`")
             });
         }
-        Kind {
+        AtomKind {
             number: text.parse::<u32>().map_or(f64::NAN, f64::from),
             element: &NEUTRAL,
         }

@@ -8,7 +8,7 @@ use std::{io::Read, ops::Range};
 use super::{Atoms, Column, Own, lines, names, text};
 use crate::{
     data::{
-        fault::{At, Fault, Part, ReadError, Wrong},
+        fault::{At, Fault, LinePart, ReadError, Wrong},
         table::{Request, Table, row_cells::RowCells, rows::Rows},
     },
     text::nearest::quote,
@@ -226,5 +226,5 @@ fn symbol(line: &[u8]) -> (String, Range<usize>) {
 fn at_columns(row: usize, line: u64, range: &Range<usize>) -> At {
     let (first, last) = (range.start + 1, range.end);
     let words = format!("row {row} (line {line}, columns {first}-{last})");
-    At::new(words, line).part(Part::Bytes(range.clone()))
+    At::new(words, line).part(LinePart::Bytes(range.clone()))
 }

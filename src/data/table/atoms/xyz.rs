@@ -10,7 +10,7 @@ use super::{Atoms, COLUMNS, Column, Own, lines, text};
 use crate::{
     data::{
         bytes::LONGEST_LINE,
-        fault::{At, Fault, Part, ReadError, Wrong},
+        fault::{At, Fault, LinePart, ReadError, Wrong},
         table::{Request, Table, row_cells::RowCells},
     },
     text::nearest::quote,
@@ -62,7 +62,7 @@ pub(in super::super) fn read(
         }
         let of = words.len();
         let row_at = |row: usize| At::row(row, Some(line));
-        let cell = |at| move |row| row_at(row).part(Part::Cell { at, of });
+        let cell = |at| move |row| row_at(row).part(LinePart::Cell { at, of });
         let kind = match layout.species {
             Species::Element(at) | Species::Type(at) if is_lettered => {
                 atoms.lettered(word(at), &cell(at))

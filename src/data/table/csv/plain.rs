@@ -63,7 +63,7 @@ struct Columns<'a> {
 
 /// The rows of a block.
 #[derive(Default)]
-struct Part {
+struct BlockRows {
     bytes: Vec<u8>,
     rows: usize,
     empty: Empty,
@@ -82,7 +82,7 @@ pub(super) fn read(
     pool: &Pool,
 ) -> Result<Vec<u8>, ReadError> {
     let columns = Columns::of(header, &request.defaults);
-    let (spare_blocks, spare_parts) = (Spare::default(), Spare::<Part>::default());
+    let (spare_blocks, spare_parts) = (Spare::default(), Spare::<BlockRows>::default());
     let mut has_failed = false;
     let blocks = iter::from_fn(|| {
         let block = (!has_failed).then(|| blocks.next(&spare_blocks))?;
@@ -125,7 +125,7 @@ pub(super) fn read(
     Ok(rest)
 }
 
-impl Part {
+impl BlockRows {
     fn clear(&mut self) {
         self.bytes.clear();
         self.empty.radius.clear();
@@ -170,7 +170,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Reads the rows of a block up to the first unknown one.
-    fn read(&self, block: &[u8], part: &mut Part) {
+    fn read(&self, block: &[u8], part: &mut BlockRows) {
         let Ok(text) = str::from_utf8(block) else {
             return;
         };
@@ -242,7 +242,7 @@ impl<'a> Columns<'a> {
 
     /// Fills the empty places of a row with the defaults.
     #[cold]
-    fn fill(&self, empty: u16, row: &mut [f64; MOST], part: &mut Part) -> Option<()> {
+    fn fill(&self, empty: u16, row: &mut [f64; MOST], part: &mut BlockRows) -> Option<()> {
         let mut left = empty;
         if let Some(value) = self.value
             && left & 1 << value != 0

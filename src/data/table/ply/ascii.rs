@@ -4,7 +4,7 @@ use std::{iter::Enumerate, str::Split};
 
 use crate::{
     data::{
-        fault::{At, Fault, Part, ReadError, Wrong},
+        fault::{At, Fault, LinePart, ReadError, Wrong},
         ply::{
             header::{Element, Header, VERTEX},
             row::{self, Unlike, number},
@@ -143,7 +143,7 @@ fn numbers(
             let name = property.map_or("", |property| &property.name);
             rows.note(Wrong::Number, name, || {
                 let (at, of) = (selected.index, element.properties.len());
-                let cell = At::cell(row, Some(line), name).part(Part::Cell { at, of });
+                let cell = At::cell(row, Some(line), name).part(LinePart::Cell { at, of });
                 cell.fault(Unlike::Number(word))
             })
         })

@@ -8,7 +8,7 @@ use crate::{
         fault::{Fault, ReadError},
         ply::{
             header::{Element, Header, Type, VERTEX},
-            row::Row,
+            row::PlyRow,
             selection::{Selected, Selection},
         },
         table::{
@@ -67,7 +67,7 @@ pub(super) fn read(
     let vertex = header.vertex()?;
     let is_read = |index| selection.iter().any(|selected| selected.index == index);
     let wanted: Vec<_> = (0..vertex.properties.len()).map(is_read).collect();
-    let mut row = Row::default();
+    let mut row = PlyRow::default();
     let mut rest = bytes.get(range).unwrap_or_default();
     let mut numbers = Vec::with_capacity(VALUE + 1);
     for _ in 0..vertex.rows {

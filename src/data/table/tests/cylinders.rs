@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 
-use super::{DEFAULTS, Defaults, Format, Kind, Request, Table, survives, totals, wanted};
+use super::{BadKind, DEFAULTS, Defaults, Format, Request, Table, survives, totals, wanted};
 use crate::{
     data::table::{kind::RowKind, layout::RADIUS},
     tracer::{
@@ -180,10 +180,10 @@ fn ends_without_a_direction_are_counted() {
     found.sort_by_key(|(.., row, _)| *row);
     let distance = "have a squared distance that is 0 or not finite in an f64";
     let expected = [
-        (Kind::NoAxis("are the same point"), 3, 3, 4),
-        (Kind::NotFinite, 4, 4, 1),
-        (Kind::NoAxis(distance), 3, 5, 2),
-        (Kind::NotAboveZero, RADIUS, 7, 1),
+        (BadKind::NoAxis("are the same point"), 3, 3, 4),
+        (BadKind::NotFinite, 4, 4, 1),
+        (BadKind::NoAxis(distance), 3, 5, 2),
+        (BadKind::NotAboveZero, RADIUS, 7, 1),
     ];
     assert_eq!(found, expected);
 }

@@ -13,8 +13,8 @@ mod values;
 use glam::DVec3;
 
 use super::{
-    Bad, Block, COLORS, Column, Defaults, Fault, Format, Kind, RADIUS, ReadError, Request, Table,
-    check::Check, layout::BLOCK,
+    Bad, BadKind, Block, COLORS, Column, Defaults, Fault, Format, RADIUS, ReadError, Request,
+    Table, check::Check, layout::BLOCK,
 };
 use crate::{
     data::table::kind::RowKind,
@@ -143,8 +143,8 @@ pub(super) fn bad_spheres() -> Vec<Sphere> {
 
 /// Returns the faults of the numbers in a table: the first row of each kind in a column, and how many
 /// there are.
-pub(super) fn totals(table: &Table) -> Vec<(Kind, usize, usize, usize)> {
-    let mut totals: Vec<(Kind, usize, usize, usize)> = Vec::new();
+pub(super) fn totals(table: &Table) -> Vec<(BadKind, usize, usize, usize)> {
+    let mut totals: Vec<(BadKind, usize, usize, usize)> = Vec::new();
     for bad in table.bad() {
         let mut known = totals.iter_mut();
         match known.find(|(kind, column, ..)| (*kind, *column) == (bad.kind, bad.column)) {
@@ -161,9 +161,9 @@ pub(super) fn finds_bad_spheres(bytes: &[u8], format: Format) {
     assert_checked(&table);
     let found = totals(&table);
     let expected = [
-        (Kind::NotFinite, 2, 0, 5),
-        (Kind::NotAboveZero, RADIUS, 0, 5),
-        (Kind::Clamped, COLORS.start + 1, 0, 5),
+        (BadKind::NotFinite, 2, 0, 5),
+        (BadKind::NotAboveZero, RADIUS, 0, 5),
+        (BadKind::Clamped, COLORS.start + 1, 0, 5),
     ];
     assert_eq!(found, expected);
 }
@@ -248,14 +248,14 @@ fn bad_numbers_are_listed_by_column() {
     numbers[9][2] = f64::NEG_INFINITY;
     let table = table_of(&numbers);
     let expected = [
-        (Kind::NotFinite, RADIUS, 5, f64::INFINITY, 0),
-        (Kind::NotAboveZero, RADIUS, 6, -0.0, 0),
-        (Kind::NotAboveZero, RADIUS, 1500, 0.0, 1),
-        (Kind::NotAboveZero, RADIUS, 2999, -2.0, 2),
-        (Kind::NotFinite, COLORS.start, 9, f64::NEG_INFINITY, 0),
-        (Kind::NotFinite, 0, 700, f64::NAN, 0),
-        (Kind::Clamped, COLORS.start, 600, 1.0000000000000002, 0),
-        (Kind::Clamped, COLORS.start, 601, -0.5, 1),
+        (BadKind::NotFinite, RADIUS, 5, f64::INFINITY, 0),
+        (BadKind::NotAboveZero, RADIUS, 6, -0.0, 0),
+        (BadKind::NotAboveZero, RADIUS, 1500, 0.0, 1),
+        (BadKind::NotAboveZero, RADIUS, 2999, -2.0, 2),
+        (BadKind::NotFinite, COLORS.start, 9, f64::NEG_INFINITY, 0),
+        (BadKind::NotFinite, 0, 700, f64::NAN, 0),
+        (BadKind::Clamped, COLORS.start, 600, 1.0000000000000002, 0),
+        (BadKind::Clamped, COLORS.start, 601, -0.5, 1),
     ];
     let expected = expected.map(|(kind, column, row, value, before)| Bad {
         kind,

@@ -16,7 +16,7 @@ use crate::{
         animation::target::Target,
         assist::{paths::paths, spot::Finder},
         convert,
-        format::{field::Kind, scene::Model, thing::Thing},
+        format::{field::FieldKind, scene::Model, thing::Thing},
         locate::{path_at, range_of},
         schema::schema,
         set::{Applied, Setting},
@@ -51,7 +51,7 @@ fn scenes() -> Vec<(String, Model)> {
 /// A field of a thing in a scene.
 struct Found<'m> {
     path: Path,
-    kind: Kind,
+    kind: FieldKind,
     can_change: bool,
     is_given: bool,
     model: &'m Model,
@@ -200,8 +200,8 @@ fn the_schema_accepts_the_paths_of_fields_that_can_change() {
         each(&model, &mut |found| {
             let path = found.path.to_string();
             let value = match found.kind {
-                Kind::Color => color.clone(),
-                Kind::Interval => range.clone(),
+                FieldKind::Color => color.clone(),
+                FieldKind::Interval => range.clone(),
                 kind if kind.is_vector() => vector.clone(),
                 _ => number.clone(),
             };

@@ -14,7 +14,7 @@ use self::orbit::OrbitModel;
 use crate::scene::{
     format::{
         color::ColorModel,
-        field::{Field, Interval, Kind, Triple},
+        field::{Field, FieldKind, Interval, Triple},
         map::{Entry, Map},
         object::object,
         scene::Model,
@@ -138,7 +138,7 @@ fn add_changing(
 
 /// The kind of what a path leads to, by the fields of what it begins with; `None` for one number of
 /// several.
-fn kind_of_path(path: &str) -> Option<Option<Kind>> {
+fn kind_of_path(path: &str) -> Option<Option<FieldKind>> {
     let parts = path::parts(path).ok()?;
     let first = parts.first()?.name()?;
     let Some(name) = parts.last()?.name() else {
@@ -156,11 +156,11 @@ impl<'de> Entry<'de> for Track {
         match kind_of_path(path) {
             Some(None) => map.next_value().map(Self::Numbers),
             Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
-            Some(Some(Kind::Scale)) => map.next_value().map(Self::Scales),
-            Some(Some(Kind::Point | Kind::Way)) => map.next_value().map(Self::Points),
-            Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
-            Some(Some(Kind::Interval)) => map.next_value().map(Self::Intervals),
-            Some(Some(Kind::Color)) => map.next_value().map(Self::Colors),
+            Some(Some(FieldKind::Scale)) => map.next_value().map(Self::Scales),
+            Some(Some(FieldKind::Point | FieldKind::Way)) => map.next_value().map(Self::Points),
+            Some(Some(FieldKind::Direction)) => map.next_value().map(Self::Directions),
+            Some(Some(FieldKind::Interval)) => map.next_value().map(Self::Intervals),
+            Some(Some(FieldKind::Color)) => map.next_value().map(Self::Colors),
             Some(Some(_)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
         }
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     scene::format::{
-        geometry::{clash::Clash, kind::Kind},
+        geometry::{clash::Clash, kind::GeometryKind},
         material::MaterialModel,
         object::object,
     },
@@ -34,7 +34,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for CapsuleModel {
+impl GeometryKind for CapsuleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

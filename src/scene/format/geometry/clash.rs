@@ -13,25 +13,25 @@ use crate::{
 pub(crate) struct Clash {
     pub(crate) code: Code,
     /// The value that it is reported at.
-    pub(crate) place: Place,
+    pub(crate) place: ValuePlace,
     pub(crate) message: String,
     pub(crate) help: String,
     /// True if the message ends with the value as written.
     pub(crate) shows_value: bool,
     /// The values that it clashes with, each with a label: a setting of one of them is at fault.
-    pub(crate) others: Vec<(Place, &'static str)>,
+    pub(crate) others: Vec<(ValuePlace, &'static str)>,
     /// The values that are in each other's places, if that is the fault.
-    pub(crate) exchanged: Vec<[Place; 2]>,
+    pub(crate) exchanged: Vec<[ValuePlace; 2]>,
 }
 
 /// A value of a geometry: the field, and the indices that lead to the value in it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct ValuePlace {
     field: &'static str,
     indices: Vec<usize>,
 }
 
-impl Place {
+impl ValuePlace {
     fn new(field: &'static str, indices: impl Into<Vec<usize>>) -> Self {
         let indices = indices.into();
         Self { field, indices }
@@ -55,7 +55,7 @@ impl Clash {
         let (message, help) = (message.into(), help.into());
         Self {
             code,
-            place: Place::new(field, []),
+            place: ValuePlace::new(field, []),
             message,
             help,
             shows_value: false,
@@ -87,7 +87,7 @@ impl Clash {
         indices: impl Into<Vec<usize>>,
         label: &'static str,
     ) -> Self {
-        self.others.push((Place::new(field, indices), label));
+        self.others.push((ValuePlace::new(field, indices), label));
         self
     }
 
@@ -97,7 +97,7 @@ impl Clash {
         elements: impl IntoIterator<Item = (&'static str, &'static str, usize)>,
     ) -> Self {
         let pairs = elements.into_iter();
-        let place = |field, index| Place::new(field, [index]);
+        let place = |field, index| ValuePlace::new(field, [index]);
         self.exchanged
             .extend(pairs.map(|(one, other, index)| [place(one, index), place(other, index)]));
         self

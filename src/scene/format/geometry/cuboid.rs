@@ -8,7 +8,7 @@ use crate::{
     diagnostic::Code,
     scene::format::{
         geometry::clash::{Clash, number, shown},
-        geometry::kind::Kind,
+        geometry::kind::GeometryKind,
         material::MaterialModel,
         object::object,
     },
@@ -37,7 +37,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for BoxModel {
+impl GeometryKind for BoxModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

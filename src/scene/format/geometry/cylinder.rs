@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     scene::format::{
-        geometry::{clash::Clash, kind::Kind},
+        geometry::{clash::Clash, kind::GeometryKind},
         material::MaterialModel,
         object::object,
     },
@@ -36,7 +36,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for CylinderModel {
+impl GeometryKind for CylinderModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::{
-    scene::format::{field::Triple, geometry::kind::Kind, material::MaterialModel, object::object},
+    scene::format::{
+        field::Triple, geometry::kind::GeometryKind, material::MaterialModel, object::object,
+    },
     tracer::{
         error::GeometryError,
         shape::{Shape, disc::Disc},
@@ -31,7 +33,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for DiscModel {
+impl GeometryKind for DiscModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

@@ -7,9 +7,9 @@ use glam::DVec3;
 use crate::{
     diagnostic::Code,
     scene::format::{
-        field::{Kind as FieldKind, Triple},
+        field::{FieldKind, Triple},
         geometry::clash::{Clash, shown},
-        geometry::kind::Kind,
+        geometry::kind::GeometryKind,
         material::MaterialModel,
         object::object,
         thing::Type,
@@ -45,7 +45,7 @@ impl EllipsoidModel {
     }
 }
 
-impl Kind for EllipsoidModel {
+impl GeometryKind for EllipsoidModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

@@ -3,7 +3,7 @@
 use crate::scene::format::{
     geometry::{
         GeometryModel,
-        kind::{FIELDS, Kind},
+        kind::{FIELDS, GeometryKind},
         nesting::Inside,
     },
     object::object,
@@ -24,7 +24,7 @@ object! {
     }
 }
 
-impl Kind for GroupModel {
+impl GeometryKind for GroupModel {
     fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
         [Some(Inside::list(Model::LONG, &self.geometries)), None]
     }

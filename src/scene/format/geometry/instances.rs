@@ -3,7 +3,7 @@
 use crate::{
     data::table::kind::RowKind,
     scene::format::{
-        geometry::{kind::Kind, table::TableModel},
+        geometry::{kind::GeometryKind, table::TableModel},
         object::object,
         thing::Type,
         transform::TransformModel,
@@ -34,7 +34,7 @@ object! {
     }
 }
 
-impl Kind for InstancesModel {
+impl GeometryKind for InstancesModel {
     fn table(&self) -> Option<TableModel<'_>> {
         Some(TableModel {
             kind: RowKind::Copy,

@@ -16,7 +16,7 @@ use crate::{
 pub(super) const FIELDS: usize = 2;
 
 /// A kind of geometry.
-pub(super) trait Kind {
+pub(super) trait GeometryKind {
     /// Returns the shape; `None` for a table, a part, a group, and a mesh whose file is not read.
     #[inline]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

@@ -9,8 +9,8 @@ use crate::{
     diagnostic::Code,
     scene::format::{
         color_by::ColorByModel,
-        field::{Kind as FieldKind, Triple},
-        geometry::{clash::Clash, kind::Kind},
+        field::{FieldKind, Triple},
+        geometry::{clash::Clash, kind::GeometryKind},
         material::MaterialModel,
         object::object,
         thing::Type,
@@ -94,7 +94,7 @@ impl From<&str> for MeshFileModel {
     }
 }
 
-impl Kind for MeshModel {
+impl GeometryKind for MeshModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

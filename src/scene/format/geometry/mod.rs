@@ -51,7 +51,7 @@ use crate::{
     scene::format::{
         color_by::ColorByModel,
         field::{Name, Value},
-        geometry::{clash::Clash, kind::Kind, nesting::Inside, table::TableModel},
+        geometry::{clash::Clash, kind::GeometryKind, nesting::Inside, table::TableModel},
         material::{MaterialModel, Materials, Surface},
         thing::Thing,
         transform::TransformModel,

@@ -1,6 +1,8 @@
 //! The part of a scene file: another scene file.
 
-use crate::scene::format::{geometry::kind::Kind, object::object, transform::TransformModel};
+use crate::scene::format::{
+    geometry::kind::GeometryKind, object::object, transform::TransformModel,
+};
 
 object! {
     /// The geometries of another scene file, with their own materials.
@@ -18,7 +20,7 @@ object! {
     }
 }
 
-impl Kind for PartModel {
+impl GeometryKind for PartModel {
     #[inline]
     fn transform(&self) -> Option<&TransformModel> {
         self.transform.as_deref()

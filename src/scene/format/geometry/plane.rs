@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::{
-    scene::format::{field::Triple, geometry::kind::Kind, material::MaterialModel, object::object},
+    scene::format::{
+        field::Triple, geometry::kind::GeometryKind, material::MaterialModel, object::object,
+    },
     tracer::{
         error::GeometryError,
         shape::{Shape, plane::Plane},
@@ -29,7 +31,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for PlaneModel {
+impl GeometryKind for PlaneModel {
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         Some(Plane::new(DVec3::from(self.point), DVec3::from(*self.normal)).map(Shape::from))
     }

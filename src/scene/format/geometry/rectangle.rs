@@ -9,7 +9,7 @@ use crate::{
     scene::format::{
         geometry::{
             clash::{Clash, NoArea},
-            kind::Kind,
+            kind::GeometryKind,
         },
         material::MaterialModel,
         object::object,
@@ -39,7 +39,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for RectangleModel {
+impl GeometryKind for RectangleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

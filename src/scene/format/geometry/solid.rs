@@ -9,7 +9,7 @@ use crate::{
     scene::format::{
         geometry::{
             GeometryModel,
-            kind::{FIELDS, Kind},
+            kind::{FIELDS, GeometryKind},
             nesting::Inside,
         },
         material::{MaterialModel, Materials, Surface},
@@ -115,7 +115,7 @@ object! {
 /// Defines what a solid of equal operands tells of itself.
 macro_rules! equals {
     ($model:ident, $operation:ident) => {
-        impl Kind for $model {
+        impl GeometryKind for $model {
             fn shape(&self) -> Option<Result<Shape, GeometryError>> {
                 Some(combined(Operation::$operation, self))
             }
@@ -138,7 +138,7 @@ macro_rules! equals {
 equals!(UnionModel, Union);
 equals!(IntersectionModel, Intersection);
 
-impl Kind for DifferenceModel {
+impl GeometryKind for DifferenceModel {
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         Some(combined(Operation::Difference, self))
     }
@@ -159,7 +159,7 @@ impl Kind for DifferenceModel {
 
 /// Returns the shape of a solid combined from those inside of it.
 #[inline(never)]
-fn combined(operation: Operation, solid: &impl Kind) -> Result<Shape, GeometryError> {
+fn combined(operation: Operation, solid: &impl GeometryKind) -> Result<Shape, GeometryError> {
     let inside = solid.inside().into_iter().flatten();
     let shapes = inside.flat_map(|inside| inside.geometries).map(|operand| {
         let refused = || Err(GeometryError::NotSolid { kind: "geometry" });

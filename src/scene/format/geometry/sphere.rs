@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::{
-    scene::format::{geometry::kind::Kind, material::MaterialModel, object::object},
+    scene::format::{geometry::kind::GeometryKind, material::MaterialModel, object::object},
     tracer::{
         error::GeometryError,
         shape::{Shape, sphere::Sphere},
@@ -28,7 +28,7 @@ object! {
     } one of color, material
 }
 
-impl Kind for SphereModel {
+impl GeometryKind for SphereModel {
     #[inline]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         Some(Sphere::new(DVec3::from(self.center), self.radius).map(Shape::from))

@@ -5,7 +5,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         color_by::ColorByModel,
-        geometry::{cylinders::CylindersModel, kind::Kind, spheres::SpheresModel},
+        geometry::{cylinders::CylindersModel, kind::GeometryKind, spheres::SpheresModel},
         material::MaterialModel,
     },
 };
@@ -26,7 +26,7 @@ pub(crate) struct TableModel<'a> {
 /// Defines the table that a geometry names.
 macro_rules! table {
     ($model:ident, $table:ident => $kind:expr) => {
-        impl Kind for $model {
+        impl GeometryKind for $model {
             #[inline]
             fn table(&self) -> Option<TableModel<'_>> {
                 let $table = self;

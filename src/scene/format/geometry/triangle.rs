@@ -9,7 +9,7 @@ use crate::{
     scene::format::{
         geometry::{
             clash::{Clash, NoArea},
-            kind::Kind,
+            kind::GeometryKind,
         },
         material::MaterialModel,
         object::object,
@@ -44,7 +44,7 @@ impl TriangleModel {
     }
 }
 
-impl Kind for TriangleModel {
+impl GeometryKind for TriangleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {

@@ -1,6 +1,6 @@
 //! Shared test data: scenes, and the invariants of every tree.
 
-use crate::text::syntax::{Kind, Tree};
+use crate::text::syntax::{NodeKind, Tree};
 
 pub(crate) const RON: &[&str] = &[
     r##"(
@@ -109,11 +109,11 @@ pub(crate) fn check(text: &str, tree: &Tree) {
         assert_eq!(tree.children(id).count(), counts[id.index()], "in {text:?}");
         assert!(tree.children(id).all(|c| tree.node(c).parent() == Some(id)));
         match node.kind() {
-            Kind::Struct | Kind::Map => {
+            NodeKind::Struct | NodeKind::Map => {
                 assert_eq!(counts[id.index()] % 2, 0, "odd fields in {text:?}");
                 assert_eq!(tree.fields(id).count() * 2, counts[id.index()]);
             }
-            Kind::Tuple | Kind::List => {}
+            NodeKind::Tuple | NodeKind::List => {}
             _ => assert_eq!(counts[id.index()], 0, "in {text:?}"),
         }
     }

@@ -1,6 +1,6 @@
 //! Handwritten faulty texts: the exact position and message of every fault.
 use super::common::check as check_tree;
-use crate::text::syntax::{CommentKind, Kind, Syntax, parse};
+use crate::text::syntax::{CommentKind, NodeKind, Syntax, parse};
 
 /// A text, and the start and message of each of its faults.
 type Case = (&'static str, &'static [(usize, &'static str)]);
@@ -613,7 +613,7 @@ fn a_tree_of_ron() {
         ["#![enable(implicit_some)]", "#![type = \"S\"]"]
     );
     let root = tree.root().unwrap();
-    assert_eq!(tree.node(root).kind(), Kind::Struct);
+    assert_eq!(tree.node(root).kind(), NodeKind::Struct);
     assert_eq!(tree.node(root).name().map(|r| &text[r]), Some("Scene"));
     let fields: Vec<_> = tree
         .fields(root)
@@ -628,15 +628,18 @@ fn a_tree_of_ron() {
     assert_eq!(
         fields,
         [
-            ("a", Kind::Tuple, "Foo(1, 0x2)"),
-            ("b", Kind::List, "[None, true, Bar,]"),
-            ("c", Kind::Unit, "()"),
-            ("d", Kind::Map, "{\"k\": 'x'}"),
+            ("a", NodeKind::Tuple, "Foo(1, 0x2)"),
+            ("b", NodeKind::List, "[None, true, Bar,]"),
+            ("c", NodeKind::Unit, "()"),
+            ("d", NodeKind::Map, "{\"k\": 'x'}"),
         ]
     );
     let list = tree.fields(root).nth(1).unwrap().1;
     let items: Vec<_> = tree.children(list).map(|id| tree.node(id).kind()).collect();
-    assert_eq!(items, [Kind::Null, Kind::Bool(true), Kind::Name]);
+    assert_eq!(
+        items,
+        [NodeKind::Null, NodeKind::Bool(true), NodeKind::Name]
+    );
     let comments: Vec<_> = tree
         .comments()
         .iter()
@@ -684,7 +687,7 @@ fn holes() {
         .fields(root)
         .map(|(_, v)| (tree.node(v).kind(), tree.node(v).range()))
         .collect();
-    assert_eq!(values, [(Kind::Error, 3..3), (Kind::Error, 9..10)]);
+    assert_eq!(values, [(NodeKind::Error, 3..3), (NodeKind::Error, 9..10)]);
 }
 
 #[test]
@@ -697,5 +700,5 @@ fn nothing_readable_is_spoiled_by_what_follows_it() {
     check_tree(text, &tree);
     let values = tree.fields(tree.root().unwrap());
     let kinds: Vec<_> = values.map(|(_, v)| tree.node(v).kind()).collect();
-    assert_eq!(kinds, [Kind::Map, Kind::Error, Kind::Number]);
+    assert_eq!(kinds, [NodeKind::Map, NodeKind::Error, NodeKind::Number]);
 }

@@ -34,7 +34,7 @@ use crate::tracer::{
 ///
 /// A ray that leaves a copy leaves a surface of this copy alone, or of one in the same place.
 pub struct Instances {
-    prototype: Arc<[Part]>,
+    prototype: Arc<[PrototypeShape]>,
     /// The number of faces of a copy.
     faces: u64,
     /// The number of shapes that a copy is, with those inside of others.
@@ -52,7 +52,7 @@ pub(crate) type Rows = [[f64; 4]; 3];
 
 /// A shape of the prototype.
 #[derive(Clone, Debug, PartialEq)]
-struct Part {
+struct PrototypeShape {
     shape: Shape,
     /// The number that its first face has in a copy.
     first: u64,
@@ -96,7 +96,7 @@ impl Instances {
             let first = faces;
             faces = faces.saturating_add(shape.face_count());
             inside = inside.saturating_add(shape.total());
-            parts.push(Part { shape, first });
+            parts.push(PrototypeShape { shape, first });
         }
         if parts.is_empty() || rows.is_empty() {
             return Err(GeometryError::NoOperand);

@@ -7,7 +7,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         face::{Crossing, FaceId, Leaving, Own, in_front},
-        instances::{Face, Instances, Part},
+        instances::{Face, Instances, PrototypeShape},
     },
     transform::Transform,
 };
@@ -195,14 +195,14 @@ impl Copied<'_> {
 
     /// Returns true if a crossing lies around the shape that is mapped, as that of a
     /// [`Placed`](super::Placed) shape must.
-    fn counts(&self, part: &Part, crossing: &Crossing) -> bool {
+    fn counts(&self, part: &PrototypeShape, crossing: &Crossing) -> bool {
         let around = Around::shape(&part.shape);
         let around = around.and_then(|around| around.mapped(&self.transform));
         around.is_none_or(|around| around.holds(self.passage.ray, crossing.t))
     }
 
     /// Returns the crossing with the number of its face among those of all copies.
-    fn numbered(&self, part: &Part, crossing: Crossing) -> Crossing {
+    fn numbered(&self, part: &PrototypeShape, crossing: Crossing) -> Crossing {
         let face = self.copy as u64 * self.passage.instances.faces + part.first + crossing.face;
         Crossing { face, ..crossing }
     }

@@ -24,7 +24,7 @@ use crate::tracer::{
         around::Around,
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
-        solid::part::Part,
+        solid::part::SolidPart,
         span::Span,
         working::Working,
     },
@@ -38,7 +38,7 @@ use crate::tracer::{
 /// part `p`. Where a part is cut away, its faces point into it.
 #[derive(Clone, Debug)]
 pub struct Solid {
-    parts: Vec<Part>,
+    parts: Vec<SolidPart>,
     root: Node,
     /// The box and the ball around it, if it is bounded.
     around: Option<Around>,
@@ -108,7 +108,7 @@ impl Solid {
                 }
                 _ => {
                     let kind = shape.kind();
-                    let part = Part::new(shape, first);
+                    let part = SolidPart::new(shape, first);
                     let part = part.ok_or(GeometryError::NotSolid { kind })?;
                     arounds.push(part.around);
                     nodes.push(Node::Part(first));
@@ -310,7 +310,7 @@ impl Node {
     }
 
     /// Returns the corners of a box around it, if it is bounded.
-    fn bounds(&self, parts: &[Part]) -> Option<[DVec3; 2]> {
+    fn bounds(&self, parts: &[SolidPart]) -> Option<[DVec3; 2]> {
         match self {
             Self::Part(index) => parts[*index].around.as_ref()?.bounds(),
             Self::Of(of) => of.bounds,
@@ -318,7 +318,7 @@ impl Node {
     }
 
     /// Returns [`Solid::smallest_box`].
-    fn smallest_box(&self, parts: &[Part], by: Option<&Arc<Transform>>) -> Option<[DVec3; 2]> {
+    fn smallest_box(&self, parts: &[SolidPart], by: Option<&Arc<Transform>>) -> Option<[DVec3; 2]> {
         let of = match self {
             Self::Part(index) => {
                 let mut shape = parts[*index].shape.clone();
@@ -351,7 +351,7 @@ impl Node {
     }
 
     /// Returns true if two are equal, whatever the indices of their parts are.
-    fn equals(&self, other: &Self, parts: &[Part]) -> bool {
+    fn equals(&self, other: &Self, parts: &[SolidPart]) -> bool {
         match (self, other) {
             (Self::Part(one), Self::Part(other)) => parts[*one].twin == parts[*other].twin,
             (Self::Of(one), Self::Of(other)) => {
@@ -365,7 +365,7 @@ impl Node {
     }
 
     /// Returns true if a ball surely lies inside.
-    fn holds_ball(&self, parts: &[Part], center: DVec3, radius: f64) -> bool {
+    fn holds_ball(&self, parts: &[SolidPart], center: DVec3, radius: f64) -> bool {
         match self {
             Self::Part(index) => match &parts[*index].shape {
                 Shape::Sphere(sphere) => {
@@ -387,7 +387,7 @@ impl Node {
     }
 
     /// Returns true if a box surely lies inside.
-    fn holds(&self, parts: &[Part], bounds: [DVec3; 2]) -> bool {
+    fn holds(&self, parts: &[SolidPart], bounds: [DVec3; 2]) -> bool {
         match self {
             // It is convex.
             Self::Part(index) => corners(bounds).all(|corner| parts[*index].depth(corner) >= 0.0),
@@ -403,7 +403,7 @@ impl Node {
     }
 
     /// Returns [`Solid::is_surely_empty`].
-    fn is_surely_empty(&self, parts: &[Part]) -> bool {
+    fn is_surely_empty(&self, parts: &[SolidPart]) -> bool {
         let Self::Of(of) = self else {
             return false;
         };
@@ -433,7 +433,7 @@ impl Node {
     }
 
     /// Returns the center and the radius, if it is a ball.
-    fn ball(&self, parts: &[Part]) -> Option<(DVec3, f64)> {
+    fn ball(&self, parts: &[SolidPart]) -> Option<(DVec3, f64)> {
         let Self::Part(index) = self else {
             return None;
         };
@@ -443,7 +443,7 @@ impl Node {
 
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside. What
     /// is cut away is outside at its depth inside, so that its surface is no part of either.
-    fn depth(&self, parts: &[Part], point: DVec3) -> f64 {
+    fn depth(&self, parts: &[SolidPart], point: DVec3) -> f64 {
         match self {
             Self::Part(index) => parts[*index].depth(point),
             Self::Of(of) => {
@@ -471,7 +471,7 @@ impl Node {
     }
 
     /// Returns what it is put together from, such as `Difference(box 0, sphere 1)`.
-    fn form(&self, parts: &[Part]) -> String {
+    fn form(&self, parts: &[SolidPart]) -> String {
         match self {
             Self::Part(part) => format!("{} {part}", parts[*part].shape.kind()),
             Self::Of(of) => {
@@ -481,7 +481,7 @@ impl Node {
         }
     }
 
-    fn support(&self, parts: &[Part], direction: DVec3) -> Option<DVec3> {
+    fn support(&self, parts: &[SolidPart], direction: DVec3) -> Option<DVec3> {
         let of = match self {
             Self::Part(part) => return parts[*part].shape.support(direction),
             Self::Of(of) => of,
@@ -505,7 +505,7 @@ impl Node {
         }
     }
 
-    fn farthest_from(&self, parts: &[Part], point: DVec3) -> f64 {
+    fn farthest_from(&self, parts: &[SolidPart], point: DVec3) -> f64 {
         let of = match self {
             Self::Part(part) => return parts[*part].shape.farthest_from(point),
             Self::Of(of) => of,
@@ -522,7 +522,7 @@ impl Node {
     }
 
     /// Calls `see` with the numbers of the parts and of what is done with them.
-    fn each_number(&self, parts: &[Part], see: &mut dyn FnMut(f64)) {
+    fn each_number(&self, parts: &[SolidPart], see: &mut dyn FnMut(f64)) {
         match self {
             Self::Part(part) => {
                 let shape = &parts[*part].shape;

@@ -16,7 +16,7 @@ use crate::tracer::{
 };
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part {
+pub(super) struct SolidPart {
     pub(super) shape: Shape,
     /// True if it is cut away, so that its normals point the other way.
     pub(super) is_cut: bool,
@@ -50,7 +50,7 @@ macro_rules! of_simple {
     };
 }
 
-impl Part {
+impl SolidPart {
     /// Creates the part with an index; `None` if the shape is not a simple solid.
     pub(super) fn new(shape: Shape, index: usize) -> Option<Self> {
         if !of_simple!(&shape, _solid => true, else false) {
@@ -111,7 +111,7 @@ impl Part {
 }
 
 /// Finds the first part that is equal to each.
-pub(super) fn find_twins(parts: &mut [Part]) {
+pub(super) fn find_twins(parts: &mut [SolidPart]) {
     let mut firsts: HashMap<Vec<u64>, Vec<usize>> = HashMap::new();
     for index in 0..parts.len() {
         let shape = &parts[index].shape;
