@@ -199,6 +199,23 @@ fn the_angle_of_a_camera_without_projection_can_be_set() {
     );
 }
 
+#[test]
+fn what_another_field_stands_in_place_of_is_not_made() {
+    let folder = Folder::new();
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, color: \"#f00\")";
+    folder.write("a.ron", format!("(camera: Fit(), geometries: [{ball}])"));
+    let args = [
+        "validate",
+        "a.ron",
+        "--set",
+        "geometries[0].material.ior=1.5",
+    ];
+    let done = run(&mut folder.strahl(args));
+    assert_eq!(done.status, Some(2));
+    let report = String::from_utf8(done.stdout).unwrap();
+    assert!(report.contains("`material` is not given"), "{report}");
+}
+
 /// Returns the report of `PATH:LINE:COLUMN: SEVERITY[CODE]: MESSAGE` for tools: at the start of the
 /// scene.
 fn in_file(scene: &str, messages: &str) -> String {

@@ -17,7 +17,7 @@ use crate::{
         convert,
         format::{
             scene::Model,
-            thing::{Follow, Record, Type, Variant},
+            thing::{Follow, Needs, Record, Set, Type, Variant},
         },
         path::PathPart,
         problem::syntax_fault,
@@ -70,6 +70,16 @@ impl Follow for Fill<'_> {
         let is_map = matches!(T::of_type(), Type::Map(..));
         if rest.is_empty() && self.value.removes && thing.remove(&part.step) {
             return Ok(());
+        }
+        let is_replaced = |(set, given): &(&Set, [bool; 2])| {
+            let at = set
+                .fields
+                .iter()
+                .position(|field| part.name() == Some(field));
+            set.needs != Needs::Any && at.is_some_and(|at| !given[at] && given[1 - at])
+        };
+        if !rest.is_empty() && thing.sets().iter().any(is_replaced) {
+            return Err(vec![self.not_given(self.path.len())]);
         }
         // RON cannot write `$schema`.
         key(part, !is_map, self.syntax).map_err(|fault| vec![fault])?;
