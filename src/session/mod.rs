@@ -14,9 +14,10 @@ mod turns;
 mod view;
 
 use std::{
-    fmt, io, mem,
+    fmt, fs, io, mem,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant, SystemTime},
 };
 
 pub use additions::PartList;
@@ -32,6 +33,9 @@ use crate::{
     scene::{document::Document, options::ReadOptions},
     text::edit::{self, Edit},
 };
+
+/// How much too early a file system may tell that a file was modified.
+const COARSE: Duration = Duration::from_millis(20);
 
 /// A scene that is edited.
 ///
@@ -69,6 +73,7 @@ pub struct Draft {
 /// The result of a check.
 #[derive(Debug)]
 pub struct Checked {
+    began: (Instant, SystemTime),
     version: u64,
     revision: u64,
     document: Document,
@@ -87,6 +92,18 @@ pub struct Ready {
 }
 
 impl Checked {
+    /// The time at which the check began: the files were read later.
+    pub const fn began(&self) -> Instant {
+        self.began.0
+    }
+
+    /// Returns true if a file may have been modified or replaced since the check began, as far as the
+    /// file system tells.
+    pub fn may_precede(&self, file: &Path) -> bool {
+        let changed = fs::metadata(file).and_then(|file| changed(&file));
+        changed.is_ok_and(|time| time + COARSE >= self.began.1)
+    }
+
     /// The version of the text.
     pub const fn version(&self) -> u64 {
         self.version
@@ -197,6 +214,7 @@ impl Shared {
         cancel: &Cancel,
         last: Option<&Checked>,
     ) -> Result<Checked, Error> {
+        let began = (Instant::now(), SystemTime::now());
         let options = self.options.clone().cancel(cancel.clone());
         let document = Document::from_reader(&*self.name, draft.text.as_bytes(), &options)
             .map_err(|error| Error::reading_failed(&self.name, error))?;
@@ -218,6 +236,7 @@ impl Shared {
             None => None,
         };
         Ok(Checked {
+            began,
             version: draft.version,
             revision,
             document: findings,
@@ -376,6 +395,22 @@ impl Drop for Session {
         state.is_closed = true;
         state.cancel.cancel();
     }
+}
+
+/// Returns the time at which the content of a file was modified or got its name.
+#[cfg(unix)]
+fn changed(file: &fs::Metadata) -> io::Result<SystemTime> {
+    use std::os::unix::fs::MetadataExt;
+    let seconds = Duration::from_secs(file.ctime().try_into().unwrap_or(0));
+    let part = Duration::from_nanos(file.ctime_nsec().try_into().unwrap_or(0));
+    Ok(file
+        .modified()?
+        .max(SystemTime::UNIX_EPOCH + seconds + part))
+}
+
+#[cfg(not(unix))]
+fn changed(file: &fs::Metadata) -> io::Result<SystemTime> {
+    file.modified()
 }
 
 /// Returns the error for a request that cannot be met.

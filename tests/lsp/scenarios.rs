@@ -1,6 +1,6 @@
 //! What depends on time, or on files that change.
 
-use std::{fs, path::Path};
+use std::{fs, path::Path, thread, time::Duration};
 
 use libtest_mimic::{Failed, Trial};
 use serde_json::{Value, json};
@@ -18,10 +18,14 @@ const BROKEN: &str = "x,y\n0,0\n";
 type Scenario = fn() -> Result<(), Failed>;
 
 pub(crate) fn all() -> Vec<Trial> {
-    let trials: [(&str, Scenario); 10] = [
+    let trials: [(&str, Scenario); 11] = [
         ("a table is watched by the program", || table(false)),
         ("a table is watched by the client", || table(true)),
         ("an unsaved table is read", unsaved_table),
+        (
+            "a table that changes while it is read is read again",
+            table_in_flight,
+        ),
         ("an unsaved part is read", unsaved_part),
         ("a part in a folder needs no camera", part_in_folder),
         ("strahl.toml is watched", config),
@@ -111,6 +115,42 @@ fn unsaved_table() -> Result<(), Failed> {
         &json!({"textDocument": document, "contentChanges": [change]}),
     );
     expect(&codes(&mut client, &scene, 1), &["invalid-table"])?;
+    client.finish();
+    Ok(())
+}
+
+/// Neither the text in the editor nor the file may change unnoticed before the server knows that the
+/// scene depends on it. Some of the moments are within the check on any machine.
+fn table_in_flight() -> Result<(), Failed> {
+    for moment in [10, 20, 40, 80, 160].map(Duration::from_millis) {
+        table_changes_after(moment, true)?;
+        table_changes_after(moment, false)?;
+    }
+    Ok(())
+}
+
+fn table_changes_after(moment: Duration, is_open: bool) -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let [table, other] = ["atoms.csv", "new"].map(|name| folder.path().join(name));
+    let long = format!("x,y,z\n{}", "0,0,0\n".repeat(300_000));
+    fs::write(&table, &long)?;
+    fs::write(&other, BROKEN)?;
+    let mut client = initialized(folder.path(), json!({}));
+    let (scene, open) = (uri(&folder.path().join("scene.ron")), uri(&table));
+    if is_open {
+        client.open(&open, "csv", &long);
+    }
+    client.open(&scene, "ron", SCENE);
+    thread::sleep(moment);
+    if is_open {
+        let document = json!({"uri": open, "version": 2});
+        let change = json!({"text": BROKEN});
+        let params = json!({"textDocument": document, "contentChanges": [change]});
+        client.notify("textDocument/didChange", &params);
+    } else {
+        fs::rename(&other, &table)?;
+    }
+    while codes(&mut client, &scene, 1) != ["invalid-table"] {}
     client.finish();
     Ok(())
 }

@@ -27,6 +27,7 @@ pub(super) struct Documents {
     /// The documents that depend on each file, also those that are not the text of a scene.
     users: Users,
     changes: Changes,
+    recent: Recent,
 }
 
 /// The changes of the files that documents depend on.
@@ -36,6 +37,41 @@ pub(super) struct Changes {
     pub(super) new: Vec<PathBuf>,
     /// The number of files that no document depends on any more.
     pub(super) gone: usize,
+}
+
+/// The most files whose changes are noted.
+const MOST: usize = 10_000;
+
+/// The times at which files have changed. A check in flight may have read an older content of a file
+/// that its scene is not yet known to depend on.
+struct Recent {
+    times: HashMap<PathBuf, Instant>,
+    /// The time before which nothing is known.
+    start: Instant,
+}
+
+impl Default for Recent {
+    fn default() -> Self {
+        Self {
+            times: HashMap::new(),
+            start: Instant::now(),
+        }
+    }
+}
+
+impl Recent {
+    fn note(&mut self, file: &Path) {
+        if self.times.len() == MOST {
+            *self = Self::default();
+        }
+        self.times.insert(file.to_owned(), Instant::now());
+    }
+
+    /// Returns true if a file may have changed since a time.
+    fn is_since(&self, file: &Path, time: Instant) -> bool {
+        let changed = self.times.get(file);
+        time < self.start || changed.is_some_and(|changed| *changed >= time)
+    }
 }
 
 /// The addresses of documents, by files.
@@ -119,16 +155,38 @@ impl Documents {
         Some(document)
     }
 
-    /// Takes over the result of a check; returns false if it is of an older text.
-    pub(super) fn take(&mut self, report: Report) -> bool {
+    /// Notes that files have changed, and returns the documents that depend on one of them.
+    pub(super) fn changed(&mut self, files: &[PathBuf]) -> BTreeSet<String> {
+        for file in files {
+            self.recent.note(file);
+        }
+        let users = files.iter().flat_map(|file| self.users.of(file));
+        users.cloned().collect()
+    }
+
+    /// Returns true if a document has not been checked since one of these files has changed.
+    pub(super) fn is_outdated(&self, key: &str, files: &[PathBuf]) -> bool {
+        let latest = self.get(key).and_then(OpenDocument::latest);
+        let whole = latest.and_then(|latest| latest.whole.as_ref());
+        whole.is_some_and(|whole| {
+            let has_changed = |file: &PathBuf| {
+                self.recent.is_since(file, whole.began()) || whole.may_precede(file)
+            };
+            files.iter().any(has_changed)
+        })
+    }
+
+    /// Takes over the result of a check, and returns the files that the document did not depend on
+    /// before; `None` if the result is of an older text.
+    pub(super) fn take(&mut self, report: Report) -> Option<Vec<PathBuf>> {
         let key = report.uri.clone();
-        let Some(document) = self.get_mut(&key) else {
-            return false;
-        };
+        let document = self.get_mut(&key)?;
         let before = document.files().to_vec();
-        let is_new = document.take(report);
+        if !document.take(report) {
+            return None;
+        }
         let after = document.files().to_vec();
-        if is_new && before != after {
+        if before != after {
             // Added first: what stays is neither new nor gone.
             let document = self.all.get(&key);
             for file in document.map(dependencies).unwrap_or_default() {
@@ -138,13 +196,8 @@ impl Documents {
                 self.users.remove(file, &key, &mut self.changes);
             }
         }
-        is_new
-    }
-
-    /// Returns the documents that depend on one of these files.
-    pub(super) fn users(&self, files: &[PathBuf]) -> BTreeSet<String> {
-        let users = files.iter().flat_map(|file| self.users.of(file));
-        users.cloned().collect()
+        let new = after.into_iter().filter(|file| !before.contains(file));
+        Some(new.collect())
     }
 
     /// Returns those among a document and the parts that it names that another document names.

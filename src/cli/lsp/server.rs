@@ -335,7 +335,7 @@ impl Server {
             diagnostics::refresh(&self.client, &self.outbox);
             return;
         }
-        let users = self.documents.users(files);
+        let users = self.documents.changed(files);
         for document in users.iter().filter_map(|key| self.documents.get(key)) {
             document.refresh();
         }
@@ -354,12 +354,18 @@ impl Server {
 
     fn on_checked(&mut self, report: Report) {
         let uri = report.uri.clone();
-        if !self.documents.take(report) {
+        let Some(new) = self.documents.take(report) else {
             return;
-        }
+        };
         // Watched before the client is told, which may change a file at once.
         self.find_parts(&uri);
         self.watch();
+        if self.documents.is_outdated(&uri, &new)
+            && let Some(document) = self.documents.get(&uri)
+        {
+            // No change of these files has been followed before.
+            document.refresh();
+        }
         let Some(document) = self.documents.get_mut(&uri) else {
             return;
         };

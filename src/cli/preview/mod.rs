@@ -135,6 +135,7 @@ fn follow(
     let desk = Arc::clone(desk);
     let follow = move || {
         for result in results {
+            let before = files.clone();
             if let Some(checked) = &result {
                 files.truncate(1);
                 files.extend(checked.files().iter().cloned());
@@ -142,9 +143,15 @@ fn follow(
             if let Err(failure) = watcher.watch(files.clone()) {
                 failure.print();
             }
+            // What is new may have changed before it was watched.
             match result {
-                Some(checked) => desk.show(checked),
-                // It may have changed before it was watched.
+                Some(checked) => {
+                    let new = files.iter().filter(|file| !before.contains(file));
+                    if new.into_iter().any(|file| checked.may_precede(file)) {
+                        desk.session().refresh();
+                    }
+                    desk.show(checked);
+                }
                 None => desk.on_change(&files[..1]),
             }
         }
