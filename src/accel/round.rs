@@ -11,6 +11,8 @@ use crate::{
             cylinder::Cylinder,
             disc::Disc,
             face::{Crossing, Leaving},
+            plane::Flat,
+            span::Convex,
         },
     },
 };

@@ -50,10 +50,7 @@ impl Around {
 
     /// Returns the box and the ball around a shape; `None` if it is unbounded or not finite in f64.
     pub(crate) fn shape(shape: &Shape) -> Option<Self> {
-        match shape.extent() {
-            Extent::Ball(center, radius) => Some(Self::new(shape.bounds()?, center, radius)),
-            Extent::Plane(_) => None,
-        }
+        shape.around().filter(|around| around.bounds().is_some())
     }
 
     /// Returns the box and the ball around several; `None` if one is unbounded.

@@ -6,12 +6,10 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::Around,
         axis::{Axis, outward},
-        face::{Crossings, Faces, Leaving},
-        plane::Plane,
-        span::{Round, Span},
+        face::{Faces, Leaving},
+        span::{Convex, Round, Span},
         working::{Term, Working},
     },
     vector::{farthest_along, positive},
@@ -61,23 +59,9 @@ impl Capsule {
         self.radius
     }
 
-    /// Returns the lower and upper corners of the smallest box around the capsule, or `None` if a
-    /// corner is not finite in f64.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
-    }
-
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let end = farthest_along([self.from(), self.to()], direction)?;
         Some(end + self.radius * direction)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the capsule: it enters
-    /// where it first enters the side, between the ends, or a ball at an end, and comes out where it
-    /// last comes out of one.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     /// Returns the spans of the side and of both balls.
@@ -95,56 +79,7 @@ impl Capsule {
         ]
     }
 
-    /// Returns the part of the line inside.
-    #[inline]
-    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let rounds = self.rounds(ray, leaving);
-        if let Some(face) = leaving.face
-            && let Some(own) = rounds.get(face as usize).copied().flatten()
-            && own.exit.t <= 0.0
-        {
-            // Outward, and the shape is convex.
-            return None;
-        }
-        let [side, from, to] = rounds;
-        let ends = self.axis.span(ray, Leaving::NOTHING);
-        let on_side = side
-            .zip(ends)
-            .into_iter()
-            .flat_map(|(side, ends)| side.within(ends).0)
-            .flatten();
-        let on_balls = [from, to]
-            .into_iter()
-            .flatten()
-            .flat_map(|ball| [ball.enter, ball.exit]);
-        on_side
-            .chain(on_balls)
-            .fold(None, |span: Option<Span>, at| {
-                let Some(Span { enter, exit }) = span else {
-                    return Some(Span {
-                        enter: at,
-                        exit: at,
-                    });
-                };
-                Some(Span {
-                    enter: if at.t < enter.t { at } else { enter },
-                    exit: if at.t > exit.t { at } else { exit },
-                })
-            })
-    }
-
     pub(crate) const FACES: Faces = Faces::Several;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let span = self.span(ray, leaving);
-        let crossings = span.map(|span| span.crossings(leaving));
-        crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        None
-    }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         let (q, d) = match face {
@@ -185,17 +120,57 @@ impl Capsule {
         self.axis.numbers().into_iter().chain([self.radius])
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         let distance = |end: DVec3| (end - point).length() + self.radius;
         distance(self.from()).max(distance(self.to()))
     }
+}
+
+impl Convex for Capsule {
+    fn hull(&self) -> &Around {
+        &self.around
+    }
+
+    /// Returns the part of the line inside.
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let rounds = self.rounds(ray, leaving);
+        if let Some(face) = leaving.face
+            && let Some(own) = rounds.get(face as usize).copied().flatten()
+            && own.exit.t <= 0.0
+        {
+            // Outward, and the shape is convex.
+            return None;
+        }
+        let [side, from, to] = rounds;
+        let ends = self.axis.span(ray, Leaving::NOTHING);
+        let on_side = side
+            .zip(ends)
+            .into_iter()
+            .flat_map(|(side, ends)| side.within(ends).0)
+            .flatten();
+        let on_balls = [from, to]
+            .into_iter()
+            .flatten()
+            .flat_map(|ball| [ball.enter, ball.exit]);
+        on_side
+            .chain(on_balls)
+            .fold(None, |span: Option<Span>, at| {
+                let Some(Span { enter, exit }) = span else {
+                    return Some(Span {
+                        enter: at,
+                        exit: at,
+                    });
+                };
+                Some(Span {
+                    enter: if at.t < enter.t { at } else { enter },
+                    exit: if at.t > exit.t { at } else { exit },
+                })
+            })
+    }
 
     /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
-    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+    fn depth(&self, point: DVec3) -> f64 {
         let (height, away) = self.axis.place_of(point);
         let is_beside = (0.0..=1.0).contains(&(height / self.axis.length()));
         let ends = [self.from(), self.to()].map(|end| (point - end).length());
@@ -206,14 +181,5 @@ impl Capsule {
             } else {
                 nearest
             }
-    }
-
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.extent() {
-            Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
-                Membership::Inside(center, radius)
-            }
-            _ => Membership::Outside,
-        }
     }
 }

@@ -6,12 +6,11 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::Around,
         axis::{Axis, outward},
         face::{Crossings, Faces, Leaving},
         plane::Plane,
-        span::Span,
+        span::{Convex, Span},
         working::{Term, Working, open},
     },
     vector::{in_range, is_direction, positive, unit},
@@ -109,24 +108,9 @@ impl Cone {
         self.capped
     }
 
-    /// Returns the lower and upper corners of the smallest box around the cone, or `None` if a corner
-    /// is not finite in f64.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
-    }
-
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let radii = [self.radius, self.top_radius];
         self.axis.support(radii, direction)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the cone.
-    ///
-    /// The equations are those of the manual of the format. The double cone is cut by the planes of
-    /// the two ends, so that its other half is never hit.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     /// Returns the terms of the side, relative to the point of the ray at `middle`.
@@ -179,25 +163,7 @@ impl Cone {
         Some([side, self.axis.span(ray, leaving)?])
     }
 
-    /// Returns the part of the line inside, between the caps.
-    #[inline]
-    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let [side, ends] = self.spans(ray, leaving)?;
-        side.and(ends)
-    }
-
     pub(crate) const FACES: Faces = Faces::Several;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let spans = self.spans(ray, leaving);
-        let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
-        crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-        self.axis.end(face)
-    }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         if let Some(cap) = self.plane(face) {
@@ -246,29 +212,44 @@ impl Cone {
         self.axis.numbers().into_iter().chain(last)
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         self.axis
             .farthest_from(point, [self.radius, self.top_radius])
     }
+}
+
+impl Convex for Cone {
+    fn hull(&self) -> &Around {
+        &self.around
+    }
+
+    /// Returns the part of the line inside, between the caps.
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let [side, ends] = self.spans(ray, leaving)?;
+        side.and(ends)
+    }
+
+    #[inline]
+    fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let spans = self.spans(ray, leaving);
+        let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
+        crossings.unwrap_or_default().near(&self.around, ray)
+    }
+
+    fn plane(&self, face: u64) -> Option<Plane> {
+        self.axis.end(face)
+    }
+
+    fn is_closed(&self) -> bool {
+        self.capped
+    }
 
     /// Returns a depth below the surface, as if capped: above 0 inside, 0 on it and below 0 outside.
-    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+    fn depth(&self, point: DVec3) -> f64 {
         let (height, away) = self.axis.place_of(point);
         let radius = self.radius + self.slope * height;
         self.axis.depth(point).min(radius - away)
-    }
-
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.extent() {
-            Extent::Ball(center, radius) if self.capped && self.depth(eye) > 0.0 => {
-                Membership::Inside(center, radius)
-            }
-            _ => Membership::Outside,
-        }
     }
 }
 

@@ -6,11 +6,10 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::Around,
-        face::{Crossings, Faces, Leaving},
+        face::{Faces, Leaving},
         plane::Plane,
-        span::Span,
+        span::{Convex, Span},
         working::{Term, Working},
     },
     vector::finite,
@@ -61,21 +60,9 @@ impl Cuboid {
         self.max
     }
 
-    /// Returns the two corners.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
-    }
-
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let is_up = direction.cmpgt(DVec3::ZERO);
         Some(DVec3::select(is_up, self.max, self.min))
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the box: on each axis, the
-    /// ray is between the planes from `(min - o)/d` to `(max - o)/d` or the other way around.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     /// Returns the part of the line between the planes of an axis.
@@ -92,29 +79,7 @@ impl Cuboid {
         Span::slab([low, high], d, [face, face + 1])
     }
 
-    #[inline]
-    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.slab(axis, ray, leaving));
-        x?.and(y?)?.and(z?)
-    }
-
     pub(crate) const FACES: Faces = Faces::Several;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let span = self.span(ray, leaving);
-        let crossings = span.map(|span| span.crossings(leaving));
-        crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-        let point = if face.is_multiple_of(2) {
-            self.min
-        } else {
-            self.max
-        };
-        Plane::new(point, self.normal(face)).ok()
-    }
 
     /// Returns the outward normal of a face.
     fn normal(&self, face: u64) -> DVec3 {
@@ -153,27 +118,35 @@ impl Cuboid {
         [min.x, min.y, min.z, max.x, max.y, max.z]
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         let away = (self.min - point).abs().max((self.max - point).abs());
         away.length()
     }
+}
 
-    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
-    pub(crate) fn depth(&self, point: DVec3) -> f64 {
-        let depths = (point - self.min).min(self.max - point);
-        depths.min_element()
+impl Convex for Cuboid {
+    fn hull(&self) -> &Around {
+        &self.around
     }
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.extent() {
-            Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
-                Membership::Inside(center, radius)
-            }
-            _ => Membership::Outside,
-        }
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.slab(axis, ray, leaving));
+        x?.and(y?)?.and(z?)
+    }
+
+    fn plane(&self, face: u64) -> Option<Plane> {
+        let point = if face.is_multiple_of(2) {
+            self.min
+        } else {
+            self.max
+        };
+        Plane::new(point, self.normal(face)).ok()
+    }
+
+    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
+    fn depth(&self, point: DVec3) -> f64 {
+        let depths = (point - self.min).min(self.max - point);
+        depths.min_element()
     }
 }

@@ -6,12 +6,11 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::{Around, Near},
         axis::{Axis, outward},
         face::{Crossings, Faces, Leaving},
         plane::Plane,
-        span::{Round, Span},
+        span::{Convex, Round, Span},
         working::{Term, Working, open},
     },
     vector::positive,
@@ -67,24 +66,8 @@ impl Cylinder {
         self.capped
     }
 
-    /// Returns the lower and upper corners of the smallest box around the cylinder, or `None` if a
-    /// corner is not finite in f64.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
-    }
-
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.axis.support([self.radius; 2], direction)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the cylinder.
-    ///
-    /// With the unit vector `w` along the axis, `q = (o - a) - ((o - a)·w)·w` and
-    /// `e = d - (d·w)·w`, the ray is inside the side where `|q + t·e| ≤ r`, and between the ends from
-    /// `((a - o)·w)/(d·w)` to `((b - o)·w)/(d·w)`.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     /// The unit vector along the axis.
@@ -113,25 +96,7 @@ impl Cylinder {
         Some([side, self.axis.span(ray, leaving)?])
     }
 
-    /// Returns the part of the line inside, between the caps.
-    #[inline]
-    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let [side, ends] = self.spans(ray, leaving)?;
-        side.and(ends)
-    }
-
     pub(crate) const FACES: Faces = Faces::Several;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let spans = self.spans(ray, leaving);
-        let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
-        crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-        self.axis.end(face)
-    }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         self.plane(face).map_or_else(
@@ -168,26 +133,41 @@ impl Cylinder {
         self.axis.numbers().into_iter().chain(last)
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         self.axis.farthest_from(point, [self.radius; 2])
     }
+}
 
-    /// Returns a depth below the surface, as if capped: above 0 inside, 0 on it and below 0 outside.
-    pub(crate) fn depth(&self, point: DVec3) -> f64 {
-        let (_, away) = self.axis.place_of(point);
-        self.axis.depth(point).min(self.radius - away)
+impl Convex for Cylinder {
+    fn hull(&self) -> &Around {
+        &self.around
     }
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.extent() {
-            Extent::Ball(center, radius) if self.capped && self.depth(eye) > 0.0 => {
-                Membership::Inside(center, radius)
-            }
-            _ => Membership::Outside,
-        }
+    /// Returns the part of the line inside, between the caps.
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let [side, ends] = self.spans(ray, leaving)?;
+        side.and(ends)
+    }
+
+    #[inline]
+    fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let spans = self.spans(ray, leaving);
+        let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
+        crossings.unwrap_or_default().near(&self.around, ray)
+    }
+
+    fn plane(&self, face: u64) -> Option<Plane> {
+        self.axis.end(face)
+    }
+
+    fn is_closed(&self) -> bool {
+        self.capped
+    }
+
+    /// Returns a depth below the surface, as if capped: above 0 inside, 0 on it and below 0 outside.
+    fn depth(&self, point: DVec3) -> f64 {
+        let (_, away) = self.axis.place_of(point);
+        self.axis.depth(point).min(self.radius - away)
     }
 }

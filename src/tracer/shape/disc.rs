@@ -6,9 +6,9 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
-        face::{Crossings, Faces, Leaving, in_front},
-        plane::Plane,
+        around::Around,
+        face::Leaving,
+        plane::{Flat, Plane},
         working::{Term, Working},
     },
     vector::{finite, positive, rim, unit},
@@ -54,21 +54,19 @@ impl Disc {
         self.radius
     }
 
+    #[inline]
+    pub(crate) fn around(&self) -> Option<Around> {
+        // Along an axis x, the rim extends to r·|x × n|.
+        let n = self.axis();
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let half = self.radius * DVec3::from(axes.map(|axis| axis.cross(n).length()));
+        let corners = [self.center() - half, self.center() + half];
+        Some(Around::new(corners, self.center(), self.radius))
+    }
+
     /// Returns the normal at unit length.
     pub fn unit_normal(&self) -> DVec3 {
         self.plane.unit_normal()
-    }
-
-    /// Returns the lower and upper corners of the smallest box around the disc, or `None` if a corner
-    /// is not finite in f64.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let n = self.axis();
-        // Along an axis x, the rim extends to r·|x × n|.
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        let half = self.radius * DVec3::from(axes.map(|axis| axis.cross(n).length()));
-        let bounds = [self.center() - half, self.center() + half];
-        let finite = bounds.iter().all(|corner| corner.is_finite());
-        finite.then_some(bounds)
     }
 
     /// Returns the normal at unit length, with all digits.
@@ -82,22 +80,9 @@ impl Disc {
         Some(self.center() + self.radius * rim(self.axis(), direction))
     }
 
-    /// Returns the `t` at which the ray hits the plane of the disc, `((a - o)·n) / (d·n)`, if
-    /// `0 < t < t_max` and the point `p = o + t·d` has `|p - a|² <= r²`; `None` if `d·n` is 0.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        in_front(self.t(ray)?, t_max)
-    }
-
     /// Returns true if a ray that leaves a face meets it like one that leaves nothing.
     pub(crate) fn is_apart_from(&self, leaving: &Leaving) -> bool {
         !leaving.is_in(&self.plane)
-    }
-
-    /// Returns the `t` at which the ray's line hits the disc.
-    #[inline]
-    fn t(&self, ray: &Ray) -> Option<f64> {
-        let t = self.plane.t(ray)?;
-        (self.squared_distance(ray, t) <= self.radius * self.radius).then_some(t)
     }
 
     /// Returns `|p - a|²` for the point p of the ray at `t`.
@@ -123,32 +108,9 @@ impl Disc {
         working
     }
 
-    pub(crate) const FACES: Faces = Faces::Flat;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let t = match leaving.is_in(&self.plane) {
-            true => None,
-            false => self.t(ray),
-        };
-        t.into()
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        Some(self.plane)
-    }
-
-    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
-        self.unit_normal()
-    }
-
     pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
         let Self { plane, radius } = *self;
         plane.numbers().into_iter().chain([radius])
-    }
-
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        Extent::Ball(self.center(), self.radius)
     }
 
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
@@ -157,18 +119,27 @@ impl Disc {
         let beside = (to_center - above * self.unit_normal()).length() + self.radius;
         (beside * beside + above * above).sqrt()
     }
+}
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.plane.membership(eye) {
-            Membership::EdgeOn(_) => Membership::EdgeOn("the plane of this disc"),
-            membership => membership,
-        }
+impl Flat for Disc {
+    const PLANE: &'static str = "the plane of this disc";
+
+    fn in_plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    /// Returns the `t` at which the ray's line hits the disc.
+    #[inline]
+    fn t(&self, ray: &Ray) -> Option<f64> {
+        let t = self.plane.t(ray)?;
+        (self.squared_distance(ray, t) <= self.radius * self.radius).then_some(t)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracer::shape::Membership;
 
     /// A disc in the plane y = -1, around x = 3.
     fn disc() -> Disc {

@@ -6,12 +6,10 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::Around,
         axis::outward,
-        face::{Crossings, Faces, Leaving},
-        plane::Plane,
-        span::{Round, Span},
+        face::{Faces, Leaving},
+        span::{Convex, Round, Span},
         working::{Term, Working},
     },
     vector::{direction, finite, unit},
@@ -77,25 +75,12 @@ impl Ellipsoid {
         self.axes
     }
 
-    /// Returns the lower and upper corners of a box around the ellipsoid, which is larger than the
-    /// smallest by a few parts in 100,000, or `None` if a corner is not finite in f64.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
-    }
-
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         // The ball of radius 1 has its farthest point along these parts of the direction.
         let along = DVec3::from(self.axes.map(|axis| axis.dot(direction)));
         let [x, y, z] = unit(along).to_array();
         let [a, b, c] = self.axes;
         Some(self.center + ((x * a + y * b) + z * c))
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the ellipsoid: that of a
-    /// ball of radius 1 in the coordinates of the axes, `(v·a)/(a·a)` for each axis `a`.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     /// Returns the coordinates of a vector along the axes.
@@ -111,24 +96,7 @@ impl Ellipsoid {
         (q, self.coordinates(ray.direction()))
     }
 
-    #[inline]
-    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let (q, e) = self.inside(ray);
-        Span::round(q, e, 1.0, leaving.face.is_some(), 0)
-    }
-
     pub(crate) const FACES: Faces = Faces::Curved;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let span = self.span(ray, leaving);
-        let crossings = span.map(|span| span.crossings(leaving));
-        crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        None
-    }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {
         let (q, e) = self.inside(ray);
@@ -163,10 +131,6 @@ impl Ellipsoid {
         all.into_iter().flatten()
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     /// Returns the distance from a point to the farthest end of an axis.
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         let ends = self
@@ -177,19 +141,22 @@ impl Ellipsoid {
             f64::max(farthest, (end - point).length())
         })
     }
+}
 
-    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
-    pub(crate) fn depth(&self, point: DVec3) -> f64 {
-        1.0 - self.coordinates(point - self.center).length()
+impl Convex for Ellipsoid {
+    fn hull(&self) -> &Around {
+        &self.around
     }
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.extent() {
-            Extent::Ball(center, radius) if self.depth(eye) > 0.0 => {
-                Membership::Inside(center, radius)
-            }
-            _ => Membership::Outside,
-        }
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let (q, e) = self.inside(ray);
+        Span::round(q, e, 1.0, leaving.face.is_some(), 0)
+    }
+
+    /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.
+    fn depth(&self, point: DVec3) -> f64 {
+        1.0 - self.coordinates(point - self.center).length()
     }
 }
 

@@ -8,7 +8,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::{BUNDLE, Bundle, Ray},
     shape::{
-        Extent, Membership,
+        Membership,
         around::{Around, farthest, triangle_holds},
         face::{Crossing, Faces, Leaving, in_front},
         indexed::Indexed,
@@ -203,11 +203,6 @@ impl Mesh {
         &self.triangles
     }
 
-    /// Returns the lower and upper corners of the bounding box.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
-    }
-
     /// Returns the corners of a triangle.
     #[inline]
     pub(crate) fn corners(&self, face: u64) -> Option<[DVec3; 3]> {
@@ -236,18 +231,16 @@ impl Mesh {
         self.index.build(|| build(self));
     }
 
+    pub(crate) const fn around(&self) -> Option<Around> {
+        Some(self.around)
+    }
+
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let farther = |one: DVec3, other: DVec3| match other.dot(direction) > one.dot(direction) {
             true => other,
             false => one,
         };
         self.vertices.iter().copied().reduce(farther)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits a triangle.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     pub(crate) const FACES: Faces = Faces::Triangles;
@@ -359,10 +352,6 @@ impl Mesh {
         let is_smooth = f64::from(u8::from(self.is_smooth()));
         let corners = corners.map(|corner| f64::from(*corner));
         vertices.chain(corners).chain([is_smooth])
-    }
-
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
     }
 
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {

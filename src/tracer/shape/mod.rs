@@ -55,7 +55,8 @@ use crate::tracer::{
     shape::{
         around::Around,
         face::{Crossing, Faces, Leaving},
-        plane::Plane,
+        plane::{Flat, Plane},
+        span::Convex,
         sphere::Sphere,
         working::Working,
     },
@@ -84,11 +85,11 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns the lower and upper corners of the axis-aligned bounding box, or `None` if
-            /// the shape is unbounded or the box is not finite in f64.
-            pub fn bounds(&self) -> Option<[DVec3; 2]> {
+            /// Returns the box and the ball around the shape, if it is bounded.
+            #[inline]
+            pub(crate) fn around(&self) -> Option<Around> {
                 match self {
-                    $(Self::$shape(shape) => shape.bounds()),*
+                    $(Self::$shape(shape) => shape.around()),*
                 }
             }
 
@@ -100,14 +101,6 @@ macro_rules! shapes {
             pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
                 match self {
                     $(Self::$shape(shape) => shape.support(direction)),*
-                }
-            }
-
-            /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the shape. An
-            /// infinite `t_max` excludes nothing, as an infinite `t` is never a hit.
-            pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-                match self {
-                    $(Self::$shape(shape) => shape.intersect(ray, t_max)),*
                 }
             }
 
@@ -172,14 +165,6 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns the extent of the shape.
-            #[inline]
-            pub(crate) fn extent(&self) -> Extent<'_> {
-                match self {
-                    $(Self::$shape(shape) => shape.extent()),*
-                }
-            }
-
             /// Returns the distance from a point to the farthest point of the shape; infinite if
             /// the shape is unbounded.
             #[inline]
@@ -197,6 +182,20 @@ macro_rules! shapes {
                 }
             }
         }
+
+        $(impl $shape {
+            /// Returns the lower and upper corners of the axis-aligned bounding box, or `None` if
+            /// the shape is unbounded or the box is not finite in f64.
+            pub fn bounds(&self) -> Option<[DVec3; 2]> {
+                self.around()?.bounds()
+            }
+
+            /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the shape. An
+            /// infinite `t_max` excludes nothing, as an infinite `t` is never a hit.
+            pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+                Some(self.crossings(ray, Leaving::NOTHING).first(t_max)?.t)
+            }
+        })*
 
         $(impl From<$shape> for Shape {
             fn from(shape: $shape) -> Self {
@@ -264,6 +263,28 @@ impl Shape {
     /// Returns the name of the kind of shape.
     pub fn kind(&self) -> &'static str {
         self.about().0
+    }
+
+    /// Returns the lower and upper corners of the axis-aligned bounding box, or `None` if the shape is
+    /// unbounded or the box is not finite in f64.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around()?.bounds()
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the shape. An infinite
+    /// `t_max` excludes nothing, as an infinite `t` is never a hit.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        Some(self.meet(ray, Leaving::NOTHING, t_max)?.t)
+    }
+
+    /// Returns the extent of the shape.
+    #[inline]
+    pub(crate) fn extent(&self) -> Extent<'_> {
+        match (self, self.around()) {
+            (Self::Plane(plane), _) => Extent::Plane(plane),
+            (_, Some(around)) => around.extent(),
+            (_, None) => Extent::Ball(DVec3::ZERO, f64::INFINITY),
+        }
     }
 
     /// Returns the smallest box, given that of [`Shape::bounds`]: that around a shape under a transform
@@ -453,14 +474,6 @@ impl Shape {
 }
 
 impl Extent<'_> {
-    /// The ball around a shape; without one, the extent of an unbounded shape that is not a plane.
-    pub(crate) const fn of(around: Option<&Around>) -> Self {
-        match around {
-            Some(around) => around.extent(),
-            None => Self::Ball(DVec3::ZERO, f64::INFINITY),
-        }
-    }
-
     /// The radius of the ball; infinite for an unbounded shape.
     pub(crate) const fn radius(&self) -> f64 {
         match self {

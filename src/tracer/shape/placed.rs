@@ -8,7 +8,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::{BUNDLE, Bundle, Ray},
     shape::{
-        Extent, Membership, Shape,
+        Membership, Shape,
         around::Around,
         axis::outward,
         face::{Crossing, Leaving},
@@ -71,10 +71,6 @@ impl Placed {
         &self.transform
     }
 
-    pub(crate) fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around?.bounds()
-    }
-
     /// Returns the smallest box around a solid: [`Solid::smallest_box`](super::solid::Solid).
     pub(crate) fn smallest_box_of_solid(&self) -> Option<[DVec3; 2]> {
         match &self.shape {
@@ -83,15 +79,14 @@ impl Placed {
         }
     }
 
+    pub(crate) const fn around(&self) -> Option<Around> {
+        self.around
+    }
+
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.around?;
         let along = self.transform.steepest(direction);
         Some(self.transform.point(self.shape.support(along)?))
-    }
-
-    pub(crate) fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     pub(crate) const fn crossings<'a>(
@@ -159,10 +154,6 @@ impl Placed {
         let mut all = self.transform.rows().as_flattened().to_vec();
         self.shape.each_number(|number| all.push(number));
         all
-    }
-
-    pub(crate) fn extent(&self) -> Extent<'_> {
-        Extent::of(self.around.as_ref())
     }
 
     /// Returns an upper bound: the shape lies in a box and in a ball.

@@ -6,8 +6,9 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
-        face::{Crossing, Crossings, Faces, Leaving, in_front},
+        Membership,
+        around::Around,
+        face::{Crossing, Crossings, Faces, Leaving},
         span::Span,
         working::{Term, Working},
     },
@@ -59,26 +60,12 @@ impl Plane {
         unit(self.normal)
     }
 
-    /// Returns `None`: a plane is unbounded.
-    pub const fn bounds(&self) -> Option<[DVec3; 2]> {
+    pub(crate) const fn around(&self) -> Option<Around> {
         None
     }
 
     pub(crate) const fn support(&self, _: DVec3) -> Option<DVec3> {
         None
-    }
-
-    /// Returns the `t` at which the ray hits the plane, `((a - o)·n) / (d·n)`, or `None` if `d·n`
-    /// is 0 or `t` is outside `0 < t < t_max`.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        in_front(self.t(ray)?, t_max)
-    }
-
-    /// Returns the `t` at which the ray's line hits the plane.
-    #[inline(always)]
-    pub(crate) fn t(&self, ray: &Ray) -> Option<f64> {
-        let (numerator, denominator) = self.terms(ray);
-        (denominator != 0.0).then(|| numerator / denominator)
     }
 
     /// Returns the numerator and denominator of `t`: `(a - o)·n` and `d·n`.
@@ -127,25 +114,6 @@ impl Plane {
         })
     }
 
-    pub(crate) const FACES: Faces = Faces::Flat;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let t = match leaving.is_in(self) {
-            true => None,
-            false => self.t(ray),
-        };
-        t.into()
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        Some(*self)
-    }
-
-    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
-        self.unit_normal()
-    }
-
     /// Returns true if the other plane is the same: `n₁ × n₂ = 0` and `(a₁ - a₂)·n₁ = 0`.
     pub(crate) fn contains(&self, other: &Self) -> bool {
         self.normal.cross(other.normal) == DVec3::ZERO
@@ -157,10 +125,6 @@ impl Plane {
         [point.to_array(), normal.to_array()].into_iter().flatten()
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        Extent::Plane(self)
-    }
-
     pub(crate) const fn farthest_from(&self, _: DVec3) -> f64 {
         f64::INFINITY
     }
@@ -170,13 +134,57 @@ impl Plane {
     pub(crate) fn depth(&self, point: DVec3) -> f64 {
         (self.point - point).dot(self.normal)
     }
+}
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        if (self.point - eye).dot(self.normal) == 0.0 {
-            Membership::EdgeOn("this plane")
-        } else {
-            Membership::Outside
+/// A plane or a piece of one.
+pub(crate) trait Flat {
+    const FACES: Faces = Faces::Flat;
+
+    /// The plane, in the words of a message.
+    const PLANE: &'static str;
+
+    /// The plane.
+    fn in_plane(&self) -> &Plane;
+
+    /// Returns the `t` at which the ray's line hits it.
+    fn t(&self, ray: &Ray) -> Option<f64>;
+
+    #[inline]
+    fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        match leaving.is_in(self.in_plane()) {
+            true => Crossings::default(),
+            false => self.t(ray).into(),
         }
+    }
+
+    fn plane(&self, _: u64) -> Option<Plane> {
+        Some(*self.in_plane())
+    }
+
+    fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
+        self.in_plane().unit_normal()
+    }
+
+    fn membership(&self, eye: DVec3) -> Membership {
+        match self.in_plane().depth(eye) == 0.0 {
+            true => Membership::EdgeOn(Self::PLANE),
+            false => Membership::Outside,
+        }
+    }
+}
+
+impl Flat for Plane {
+    const PLANE: &'static str = "this plane";
+
+    fn in_plane(&self) -> &Plane {
+        self
+    }
+
+    /// Returns the `t` at which the ray's line hits the plane.
+    #[inline(always)]
+    fn t(&self, ray: &Ray) -> Option<f64> {
+        let (numerator, denominator) = self.terms(ray);
+        (denominator != 0.0).then(|| numerator / denominator)
     }
 }
 

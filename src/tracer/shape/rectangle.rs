@@ -8,10 +8,9 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::{Around, farthest},
-        face::{Crossings, Faces, Leaving},
-        plane::Plane,
+        face::Leaving,
+        plane::{Flat, Plane},
         triangle::Sheared,
         working::{Term, Working},
     },
@@ -66,56 +65,17 @@ impl Rectangle {
         self.edges
     }
 
-    /// Returns the lower and upper corners of the bounding box.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
+    pub(crate) const fn around(&self) -> Option<Around> {
+        Some(self.around)
     }
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         farthest_along(self.corners, direction)
     }
 
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the rectangle: that of its
-    /// plane, if the ray hits the triangle `a`, `a + u`, `(a + u) + v` or `a`, `(a + u) + v`, `a + v`.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
-    }
-
-    /// Returns the `t` at which the ray's line hits the rectangle.
-    #[inline]
-    fn t(&self, ray: &Ray) -> Option<f64> {
-        let sheared = Sheared::new(ray);
-        let mut halves = self.halves().into_iter();
-        let (above, down) = self.unit_plane.terms(ray);
-        if down == 0.0 || !halves.any(|half| sheared.edges(half.each_ref()).is_hit()) {
-            return None;
-        }
-        Some(above / down)
-    }
-
     const fn halves(&self) -> [[DVec3; 3]; 2] {
         let [a, b, c, d] = self.corners;
         [[a, b, c], [a, c, d]]
-    }
-
-    pub(crate) const FACES: Faces = Faces::Flat;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let t = match leaving.is_in(&self.plane) {
-            true => None,
-            false => self.t(ray),
-        };
-        Crossings::from(t).near(&self.around, ray)
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        Some(self.plane)
-    }
-
-    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
-        self.plane.unit_normal()
     }
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
@@ -152,18 +112,27 @@ impl Rectangle {
         all.into_iter().flatten()
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         farthest(&self.corners, point)
     }
+}
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.plane.membership(eye) {
-            Membership::EdgeOn(_) => Membership::EdgeOn("the plane of this rectangle"),
-            membership => membership,
+impl Flat for Rectangle {
+    const PLANE: &'static str = "the plane of this rectangle";
+
+    fn in_plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    /// Returns the `t` at which the ray's line hits the rectangle.
+    #[inline]
+    fn t(&self, ray: &Ray) -> Option<f64> {
+        let sheared = Sheared::new(ray);
+        let mut halves = self.halves().into_iter();
+        let (above, down) = self.unit_plane.terms(ray);
+        if down == 0.0 || !halves.any(|half| sheared.edges(half.each_ref()).is_hit()) {
+            return None;
         }
+        Some(above / down).filter(|t| self.around.holds(ray, *t))
     }
 }

@@ -10,9 +10,15 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use crate::tracer::shape::{
-    face::{Crossing, Crossings, Leaving},
-    working::Term,
+use crate::tracer::{
+    ray::Ray,
+    shape::{
+        Membership,
+        around::Around,
+        face::{Crossing, Crossings, Leaving},
+        plane::Plane,
+        working::Term,
+    },
 };
 
 /// An interval of a ray's line.
@@ -144,6 +150,45 @@ impl Span {
             [other, one]
         };
         Self::new(ends, face)
+    }
+}
+
+/// A convex solid, given by the spans of rays.
+pub(crate) trait Convex {
+    /// The box and the ball around it.
+    fn hull(&self) -> &Around;
+
+    /// Returns the part of a ray's line inside. A ray that leaves a face begins on it.
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span>;
+
+    /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside. A
+    /// solid that is open has the depths of the closed one.
+    fn depth(&self, point: DVec3) -> f64;
+
+    /// Returns true if it has all of its faces.
+    fn is_closed(&self) -> bool {
+        true
+    }
+
+    fn around(&self) -> Option<Around> {
+        Some(*self.hull())
+    }
+
+    #[inline]
+    fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let crossings = self.span(ray, leaving).map(|span| span.crossings(leaving));
+        crossings.unwrap_or_default().near(self.hull(), ray)
+    }
+
+    fn plane(&self, _: u64) -> Option<Plane> {
+        None
+    }
+
+    fn membership(&self, eye: DVec3) -> Membership {
+        match self.is_closed() && self.depth(eye) > 0.0 {
+            true => self.hull().inside(),
+            false => Membership::Outside,
+        }
     }
 }
 

@@ -6,7 +6,8 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
+        Membership,
+        around::Around,
         face::{Crossing, Crossings, Faces, Leaving, in_front},
         plane::Plane,
         span::Span,
@@ -61,25 +62,15 @@ impl Sphere {
         self.radius
     }
 
-    /// Returns the lower and upper corners of the bounding box, or `None` if a corner is not finite
-    /// in f64.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let bounds = [self.center - self.radius, self.center + self.radius];
-        bounds
-            .iter()
-            .all(|corner| corner.is_finite())
-            .then_some(bounds)
+    #[inline]
+    pub(crate) fn around(&self) -> Option<Around> {
+        let corners = [self.center - self.radius, self.center + self.radius];
+        Some(Around::new(corners, self.center, self.radius))
     }
 
     #[inline]
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         Some(self.center + self.radius * direction)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the sphere.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let (near, far) = self.quadratic(ray).roots?;
-        in_front(near, t_max).or_else(|| in_front(far, t_max))
     }
 
     /// Returns the equation whose solutions are the `t` at which the ray's line hits the sphere.
@@ -188,11 +179,6 @@ impl Sphere {
     pub(crate) fn numbers(&self) -> [f64; 4] {
         let Self { center, radius } = *self;
         [center.x, center.y, center.z, radius]
-    }
-
-    #[inline]
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        Extent::Ball(self.center, self.radius)
     }
 
     #[inline]

@@ -6,10 +6,9 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership,
         around::{Around, farthest},
-        face::{Crossings, Faces, Leaving},
-        plane::Plane,
+        face::Leaving,
+        plane::{Flat, Plane},
         working::{Term, Working},
     },
     vector::{farthest_along, finite},
@@ -203,38 +202,12 @@ impl Triangle {
         self.corners
     }
 
-    /// Returns the lower and upper corners of the bounding box.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around.bounds()
+    pub(crate) const fn around(&self) -> Option<Around> {
+        Some(self.around)
     }
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         farthest_along(self.corners, direction)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the triangle.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
-    }
-
-    pub(crate) const FACES: Faces = Faces::Flat;
-
-    #[inline]
-    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let t = match leaving.is_in(&self.plane) {
-            true => None,
-            false => Sheared::new(ray).edges(self.corners.each_ref()).t(),
-        };
-        Crossings::from(t).near(&self.around, ray)
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        Some(self.plane)
-    }
-
-    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
-        self.plane.unit_normal()
     }
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
@@ -259,18 +232,21 @@ impl Triangle {
         corners.into_iter().flatten()
     }
 
-    pub(crate) const fn extent(&self) -> Extent<'_> {
-        self.around.extent()
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         farthest(&self.corners, point)
     }
+}
 
-    pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        match self.plane.membership(eye) {
-            Membership::EdgeOn(_) => Membership::EdgeOn("the plane of this triangle"),
-            membership => membership,
-        }
+impl Flat for Triangle {
+    const PLANE: &'static str = "the plane of this triangle";
+
+    fn in_plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    #[inline]
+    fn t(&self, ray: &Ray) -> Option<f64> {
+        let t = Sheared::new(ray).edges(self.corners.each_ref()).t()?;
+        self.around.holds(ray, t).then_some(t)
     }
 }

@@ -241,10 +241,6 @@ impl Instances {
         Self::of_rows(shapes, Arc::clone(&self.rows)).unwrap()
     }
 
-    pub(crate) fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around?.bounds()
-    }
-
     /// Returns the smallest box around all copies.
     pub(crate) fn smallest_box(&self) -> Option<[DVec3; 2]> {
         let transforms = (0..self.len()).filter_map(|copy| self.transform(copy).map(Arc::new));
@@ -252,6 +248,10 @@ impl Instances {
             let shapes = self.shapes().cloned();
             shapes.filter_map(move |shape| shape.placed(&transform).ok())
         }))
+    }
+
+    pub(crate) const fn around(&self) -> Option<Around> {
+        self.around
     }
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
@@ -293,12 +293,6 @@ impl Instances {
             }
         }
         Some(farthest)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits a copy.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     pub(crate) const FACES: Faces = Faces::Copies;
@@ -370,10 +364,6 @@ impl Instances {
         let rows = self.rows.iter();
         all.into_iter()
             .chain(rows.flat_map(|rows| rows.as_flattened().iter().copied()))
-    }
-
-    pub(crate) const fn extent(&self) -> Extent<'static> {
-        Extent::of(self.around.as_ref())
     }
 
     /// Returns an upper bound: the copies lie in a box and in a ball.

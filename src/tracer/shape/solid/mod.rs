@@ -20,7 +20,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Membership, Shape,
+        Membership, Shape,
         around::Around,
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
@@ -154,13 +154,6 @@ impl Solid {
         self.root.is_surely_empty(&self.parts)
     }
 
-    /// Returns the lower and upper corners of a box around the solid, or `None` if it is unbounded
-    /// or a corner is not finite in f64: around all operands of a union, around the first of a
-    /// difference, and in the boxes around all operands of an intersection.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.around?.bounds()
-    }
-
     /// Returns the smallest box around the operands of a union, around the first of a difference, and
     /// in those around the operands of an intersection, unless it is empty or unbounded: of the solid
     /// itself, or once it is mapped.
@@ -169,18 +162,15 @@ impl Solid {
         low.cmple(high).all().then_some([low, high])
     }
 
+    pub(crate) const fn around(&self) -> Option<Around> {
+        self.around
+    }
+
     /// Returns a farthest point of a union's operands, of the first one of a difference, and of the
     /// smallest of the operands of an intersection or the box around it.
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.bounds()?;
         self.root.support(&self.parts, direction)
-    }
-
-    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the solid: where it changes
-    /// whether the ray is inside.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
-        Some(met.t)
     }
 
     pub(crate) const FACES: Faces = Faces::Several;
@@ -246,13 +236,6 @@ impl Solid {
         all
     }
 
-    pub(crate) fn extent(&self) -> Extent<'static> {
-        match &self.around {
-            Some(around) => around.extent(),
-            None => Extent::Ball(DVec3::ZERO, f64::INFINITY),
-        }
-    }
-
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         match &self.around {
             Some(_) => self.root.farthest_from(&self.parts, point),
@@ -261,12 +244,9 @@ impl Solid {
     }
 
     pub(crate) fn membership(&self, eye: DVec3) -> Membership {
-        let is_inside = || self.root.depth(&self.parts, eye) > 0.0;
-        match self.extent() {
-            Extent::Ball(center, radius) if radius.is_finite() && is_inside() => {
-                Membership::Inside(center, radius)
-            }
-            Extent::Ball(..) | Extent::Plane(_) => Membership::Outside,
+        match self.around.filter(Around::is_finite) {
+            Some(around) if self.root.depth(&self.parts, eye) > 0.0 => around.inside(),
+            _ => Membership::Outside,
         }
     }
 }

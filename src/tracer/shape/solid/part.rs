@@ -10,7 +10,7 @@ use crate::tracer::{
         Shape,
         around::Around,
         face::{Crossing, Leaving},
-        span::Span,
+        span::{Convex, Span},
         working::{Term, Working},
     },
 };
