@@ -175,8 +175,8 @@ impl Fingerprint {
     }
 
     fn material(&mut self, material: &Material) {
-        // A flat picture shows the first color alone, as a matte surface does.
-        if !matches!(material, Material::Matte(_)) {
+        // Nothing but its color is known of a material that is one alone.
+        if *material != Material::from(material.color()) {
             self.text(material.kind());
             let mut is_first = true;
             material.each_parameter(|parameter| match parameter {

@@ -258,7 +258,8 @@ fn defaults(named: &TableModel, materials: Option<&MaterialsModel>, format: Form
         if format.is_atoms() {
             return None;
         }
-        named.material?.resolve(materials)?.first_color()
+        let material = named.material?.resolve(materials)?.build().ok()?;
+        Some(material.color())
     };
     let color = named.color.map(ColorModel::build).or_else(of_material);
     // Rows whose values have colors need no others.

@@ -8,7 +8,6 @@ use crate::{
     scene::{
         format::{
             geometry::{GeometryModel, nesting::Leaf},
-            material::MaterialModel,
             scene::Model,
         },
         part::Part,
@@ -162,6 +161,6 @@ pub(super) fn is_glass(geometry: &GeometryModel, model: &Model) -> bool {
     geometry.surfaces().iter().any(|surface| {
         let own = surface.material;
         let material = own.and_then(|material| material.resolve(model.materials.as_ref()));
-        material.is_some_and(MaterialModel::is_glass)
+        material.is_some_and(|material| material.is_glass())
     })
 }

@@ -1,6 +1,6 @@
 //! Meshes of glass whose triangles turn inwards.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 use glam::DVec3;
 
@@ -17,30 +17,11 @@ use crate::{
     },
 };
 
-/// What is known of the meshes of a scene.
-pub(super) struct Inward<'a> {
-    /// The names of the materials that are glass.
-    glass: HashSet<&'a str>,
-    /// True for the files whose triangles turn inwards.
-    files: BTreeMap<&'a str, bool>,
-}
-
-impl<'a> Inward<'a> {
-    pub(super) fn new(model: &'a Model) -> Self {
-        let materials = model
-            .materials
-            .iter()
-            .flat_map(|materials| &materials.0)
-            .filter(|(_, material)| material.is_glass());
-        Self {
-            glass: materials.map(|(name, _)| &**name).collect(),
-            files: BTreeMap::new(),
-        }
-    }
-}
+/// The files of meshes that were looked at: true for those whose triangles turn inwards.
+pub(super) type Inward<'a> = BTreeMap<&'a str, bool>;
 
 impl Found {
-    /// Warns about a closed mesh of glass whose triangles turn inwards.
+    /// Warns about a closed mesh, of glass, whose triangles turn inwards.
     pub(super) fn inward<'a>(
         &mut self,
         mesh: &'a MeshModel,
@@ -48,15 +29,6 @@ impl Found {
         model: &Model,
         known: &mut Inward<'a>,
     ) {
-        let is_glass = mesh.material.as_deref().is_some_and(|material| {
-            material.is_glass()
-                || material
-                    .named()
-                    .is_some_and(|name| known.glass.contains(name))
-        });
-        if !is_glass {
-            return;
-        }
         let cancel = self.cancel.as_ref();
         let turns = match &mesh.file {
             None => {
@@ -64,7 +36,7 @@ impl Found {
                 let corner = |corner: u32| vertices.get(corner as usize).copied().map(DVec3::from);
                 turns_inward(mesh.triangles(), corner, cancel)
             }
-            Some(file) => *known.files.entry(&file.path).or_insert_with(|| {
+            Some(file) => *known.entry(&file.path).or_insert_with(|| {
                 file.mesh.as_ref().is_some_and(|read| {
                     let vertices = read.mesh.vertices();
                     let corner = |corner: u32| vertices.get(corner as usize).copied();

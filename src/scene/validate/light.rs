@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Found, camera::Eye};
+use super::{Found, camera::Eye, eye::is_glass};
 use crate::{
     diagnostic::{Code, path::Path},
     parallel::Cancel,
@@ -10,8 +10,7 @@ use crate::{
         animation::frames::Frames,
         format::{
             geometry::{GeometryModel, nesting::Leaf},
-            light::{LightModel, SpotLightModel},
-            material::MaterialModel,
+            light::LightModel,
             scene::Model,
             thing::Thing,
         },
@@ -47,27 +46,15 @@ impl Found {
     pub(super) fn light(&mut self, light: &LightModel, index: usize) {
         let path = || path_of(index);
         light.each(|field, value| self.field(field, value, path));
-        if let LightModel::Spot(spot) = light {
-            self.look_at(spot, &path());
+        if let Some(vector) = light.to_target() {
+            let what = "`look_at` - `position`";
+            self.direction(vector, what, || path().field("look_at"));
         }
         let helps = [
             "`direction` is a direction, `look_at` a point; leave one of them out",
             "add `direction`, such as (0, -1, 0), or `look_at`, a point",
         ];
         self.one_of(light, Code::OneOf, &path(), helps);
-    }
-
-    /// Requires that the point that a spot is directed at has another position, if it is alone.
-    fn look_at(&mut self, spot: &SpotLightModel, path: &Path) {
-        let points = [spot.look_at.unwrap_or_default(), spot.position];
-        let are_finite = points
-            .as_flattened()
-            .iter()
-            .all(|number| number.is_finite());
-        if spot.direction.is_none() && spot.look_at.is_some() && are_finite {
-            let what = "`look_at` - `position`";
-            self.direction(spot.axis(), what, || path.field("look_at"));
-        }
     }
 
     /// Warns about a lit scene that is black.
@@ -91,17 +78,11 @@ impl Found {
         };
         let materials = model.materials.as_ref();
         let mut geometries = model.walk();
-        let has_light_of_its_own = |material: &MaterialModel| {
-            material
-                .resolve(materials)
-                .is_some_and(MaterialModel::emits)
-        };
         if lights.iter().enumerate().any(shines)
             || geometries.any(|(_, geometry)| {
-                geometry
-                    .surface()
-                    .material
-                    .is_some_and(has_light_of_its_own)
+                let material = geometry.surface().material;
+                let material = material.and_then(|material| material.resolve(materials));
+                material.is_some_and(|material| material.emits())
             })
         {
             return;
@@ -205,16 +186,10 @@ impl Found {
             let is_inside = |point| matches!(shape.membership(point), Membership::Inside(..));
             is_inside(position) && !eyes.iter().any(|eye| is_inside(eye.point))
         };
-        let materials = model.materials.as_ref();
-        let is_opaque = |geometry: &GeometryModel| {
-            !geometry.surfaces().iter().any(|surface| {
-                let material = surface.material;
-                let material = material.and_then(|material| material.resolve(materials));
-                material.is_some_and(MaterialModel::is_glass)
-            })
-        };
         let holds_it = |leaf: &Leaf| match leaf.shape() {
-            Some(shape) => (keeps_it_in(&shape) && is_opaque(leaf.geometry)).then(|| shape.kind()),
+            Some(shape) => {
+                (keeps_it_in(&shape) && !is_glass(leaf.geometry, model)).then(|| shape.kind())
+            }
             None => {
                 let is_it =
                     |geometry: &Geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass();

@@ -7,7 +7,6 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            color::ColorModel,
             geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
             material::{MaterialModel, Surface},
@@ -17,7 +16,6 @@ use crate::{
         problem::{Cure, Focus, Problem},
     },
     text::nearest::{nearest, one_of, quote},
-    tracer::color::Color,
 };
 
 impl Found {
@@ -107,7 +105,10 @@ impl Found {
     /// Checks the fields of a material.
     fn material(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
         material.each(|field, value| self.field(field, value, &path));
-        self.no_effect_of_exponent(material, &path);
+        let described = material.described().ok();
+        if let Some([field, why]) = described.and_then(|material| material.moot_field()) {
+            self.no_effect(path().field(field), why);
+        }
         if !self.is_lit {
             self.no_effect_without_lights(material, &path);
         }
@@ -136,17 +137,6 @@ impl Found {
                 .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
             None => problem,
         });
-    }
-
-    /// Warns about an exponent of a highlight that is black.
-    fn no_effect_of_exponent(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
-        let MaterialModel::Phong(phong) = material else {
-            return;
-        };
-        let specular = phong.specular.as_ref().map(ColorModel::build);
-        if phong.exponent.is_some() && specular == Some(Color::BLACK) {
-            self.no_effect(path().field("exponent"), "`specular` is black");
-        }
     }
 
     /// Warns about what only lights show of a material: all but its first color.

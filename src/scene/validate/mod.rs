@@ -39,7 +39,7 @@ use crate::{
         problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
-        validate::{inward::Inward, material::both},
+        validate::{eye::is_glass, inward::Inward, material::both},
     },
     text::nearest::{nearest, one_of, quote},
 };
@@ -113,7 +113,7 @@ pub(crate) fn problems(
     let materials: HashSet<_> = model.names_of_materials().collect();
     let mut leaves = world.leaves().peekable();
     let warns_of_inward = aspects.levels.severity(Code::OddMesh).is_some();
-    let mut inward = warns_of_inward.then(|| Inward::new(model));
+    let mut inward = warns_of_inward.then(Inward::new);
     // The end of the last solid with operands.
     let mut parts_until = Ordinal::default();
     for (at, geometry) in model.walk() {
@@ -133,7 +133,9 @@ pub(crate) fn problems(
         match geometry {
             GeometryModel::Instances(instances) => copies.push((at, &**instances)),
             GeometryModel::Mesh(mesh) => {
-                if let Some(inward) = &mut inward {
+                if let Some(inward) = &mut inward
+                    && is_glass(geometry, model)
+                {
                     found.inward(mesh, at, model, inward);
                 }
             }

@@ -1,7 +1,7 @@
 //! Light from everywhere, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, light::LightKind, object::object},
     tracer::{
         error::GeometryError,
         light::{Ambient, Light},
@@ -20,9 +20,8 @@ object! {
     }
 }
 
-impl AmbientLightModel {
-    /// The light.
-    pub(crate) fn build(&self) -> Result<Light, GeometryError> {
+impl LightKind for AmbientLightModel {
+    fn build(&self) -> Result<Light, GeometryError> {
         let color = self.color().build();
         Ambient::new(color, self.intensity()).map(Light::from)
     }

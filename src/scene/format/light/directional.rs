@@ -1,7 +1,7 @@
 //! Parallel light, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, light::LightKind, object::object},
     tracer::{
         error::GeometryError,
         light::{Directional, Light},
@@ -24,9 +24,8 @@ object! {
     }
 }
 
-impl DirectionalLightModel {
-    /// The light.
-    pub(crate) fn build(&self) -> Result<Light, GeometryError> {
+impl LightKind for DirectionalLightModel {
+    fn build(&self) -> Result<Light, GeometryError> {
         let color = self.color().build();
         let (intensity, shadows) = (self.intensity(), self.shadows());
         Directional::new(self.direction.into(), color, intensity, shadows).map(Light::from)

@@ -1,7 +1,7 @@
 //! A light at the viewer, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, light::LightKind, object::object},
     tracer::{
         error::GeometryError,
         light::{Headlight, Light},
@@ -21,9 +21,8 @@ object! {
     }
 }
 
-impl HeadlightLightModel {
-    /// The light.
-    pub(crate) fn build(&self) -> Result<Light, GeometryError> {
+impl LightKind for HeadlightLightModel {
+    fn build(&self) -> Result<Light, GeometryError> {
         let color = self.color().build();
         Headlight::new(color, self.intensity()).map(Light::from)
     }

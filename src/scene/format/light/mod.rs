@@ -11,6 +11,8 @@ pub use self::{
     point::PointLightModel, spot::SpotLightModel,
 };
 
+use glam::DVec3;
+
 use crate::{
     scene::format::variants::{variants, words},
     tracer::{
@@ -32,6 +34,18 @@ variants! {
         Point(PointLightModel) | PointLight,
         /// A cone of light from a point.
         Spot(SpotLightModel) | SpotLight,
+    }
+}
+
+/// What each kind of light answers in its own file.
+trait LightKind {
+    /// The light.
+    fn build(&self) -> Result<Light, GeometryError>;
+
+    /// Returns the vector to the point that it is directed at, if a point alone directs it and all
+    /// numbers are finite.
+    fn to_target(&self) -> Option<DVec3> {
+        None
     }
 }
 
@@ -57,6 +71,12 @@ impl LightModel {
     /// The light.
     pub(crate) fn build(&self) -> Result<Light, GeometryError> {
         of_each!(self, light => light.build())
+    }
+
+    /// Returns the vector to the point that it is directed at, if a point alone directs it and all
+    /// numbers are finite.
+    pub(crate) fn to_target(&self) -> Option<DVec3> {
+        of_each!(self, light => light.to_target())
     }
 }
 

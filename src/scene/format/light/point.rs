@@ -1,7 +1,11 @@
 //! A light from a point, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, light::FalloffModel, object::object},
+    scene::format::{
+        color::ColorModel,
+        light::{FalloffModel, LightKind},
+        object::object,
+    },
     tracer::{
         error::GeometryError,
         light::{Light, Point},
@@ -26,9 +30,8 @@ object! {
     }
 }
 
-impl PointLightModel {
-    /// The light.
-    pub(crate) fn build(&self) -> Result<Light, GeometryError> {
+impl LightKind for PointLightModel {
+    fn build(&self) -> Result<Light, GeometryError> {
         let color = self.color().build();
         let (intensity, shadows) = (self.intensity(), self.shadows());
         let falloff = self.falloff().into();

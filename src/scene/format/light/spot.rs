@@ -3,7 +3,11 @@
 use glam::DVec3;
 
 use crate::{
-    scene::format::{color::ColorModel, light::FalloffModel, object::object},
+    scene::format::{
+        color::ColorModel,
+        light::{FalloffModel, LightKind},
+        object::object,
+    },
     tracer::{
         error::GeometryError,
         light::{Cone, Light, Spot},
@@ -37,9 +41,8 @@ object! {
     } one of direction, look_at
 }
 
-impl SpotLightModel {
-    /// The light.
-    pub(crate) fn build(&self) -> Result<Light, GeometryError> {
+impl LightKind for SpotLightModel {
+    fn build(&self) -> Result<Light, GeometryError> {
         let cone = Cone {
             direction: self.axis(),
             angle: self.angle,
@@ -51,6 +54,14 @@ impl SpotLightModel {
         Spot::new(position, cone, color, intensity, falloff, shadows).map(Light::from)
     }
 
+    fn to_target(&self) -> Option<DVec3> {
+        let points = [self.look_at?, self.position];
+        let are_finite = points.as_flattened().iter().all(|x| x.is_finite());
+        (self.direction.is_none() && are_finite).then(|| self.axis())
+    }
+}
+
+impl SpotLightModel {
     /// The direction of the middle of the cone; 0 where neither `direction` nor `look_at` is given.
     pub(crate) fn axis(&self) -> DVec3 {
         let seen = |point| DVec3::from(point) - DVec3::from(self.position);

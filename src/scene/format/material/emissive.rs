@@ -1,7 +1,7 @@
 //! A surface that shines, in a scene file.
 
 use crate::{
-    scene::format::object::object,
+    scene::format::{material::MaterialKind, object::object},
     tracer::{
         error::GeometryError,
         material::{Emissive, Material},
@@ -18,9 +18,12 @@ object! {
     }
 }
 
-impl EmissiveModel {
-    /// The material.
-    pub(crate) fn build(&self) -> Result<Material, GeometryError> {
+impl MaterialKind for EmissiveModel {
+    fn build(&self) -> Result<Material, GeometryError> {
         Emissive::new(self.color.build(), self.intensity()).map(Material::from)
+    }
+
+    fn emits(&self) -> bool {
+        true
     }
 }

@@ -1,7 +1,7 @@
 //! A surface without shading, in a scene file.
 
 use crate::{
-    scene::format::object::object,
+    scene::format::{material::MaterialKind, object::object},
     tracer::{error::GeometryError, material::Material},
 };
 
@@ -13,9 +13,12 @@ object! {
     }
 }
 
-impl FlatModel {
-    /// The material.
-    pub(crate) fn build(&self) -> Result<Material, GeometryError> {
+impl MaterialKind for FlatModel {
+    fn build(&self) -> Result<Material, GeometryError> {
         Ok(Material::Flat(self.color.build()))
+    }
+
+    fn emits(&self) -> bool {
+        true
     }
 }

@@ -1,7 +1,7 @@
 //! Glass, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, material::MaterialKind, object::object},
     tracer::{
         error::GeometryError,
         material::{Glass, Material},
@@ -18,10 +18,13 @@ object! {
     }
 }
 
-impl GlassModel {
-    /// The material.
-    pub(crate) fn build(&self) -> Result<Material, GeometryError> {
+impl MaterialKind for GlassModel {
+    fn build(&self) -> Result<Material, GeometryError> {
         let color = self.color().build();
         Glass::new(color, self.ior()).map(Material::from)
+    }
+
+    fn is_glass(&self) -> bool {
+        true
     }
 }

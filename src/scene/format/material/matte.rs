@@ -1,7 +1,7 @@
 //! A matte surface, in a scene file.
 
 use crate::{
-    scene::format::object::object,
+    scene::format::{material::MaterialKind, object::object},
     tracer::{error::GeometryError, material::Material},
 };
 
@@ -13,9 +13,8 @@ object! {
     }
 }
 
-impl MatteModel {
-    /// The material.
-    pub(crate) fn build(&self) -> Result<Material, GeometryError> {
+impl MaterialKind for MatteModel {
+    fn build(&self) -> Result<Material, GeometryError> {
         Ok(Material::Matte(self.color.build()))
     }
 }

@@ -1,7 +1,7 @@
 //! A mirror, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, material::MaterialKind, object::object},
     tracer::{error::GeometryError, material::Material},
 };
 
@@ -13,9 +13,8 @@ object! {
     }
 }
 
-impl MirrorModel {
-    /// The material.
-    pub(crate) fn build(&self) -> Result<Material, GeometryError> {
+impl MaterialKind for MirrorModel {
+    fn build(&self) -> Result<Material, GeometryError> {
         Ok(Material::Mirror(self.color().build()))
     }
 }

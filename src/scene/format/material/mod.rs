@@ -23,7 +23,7 @@ use crate::{
         map::{Entry, Map},
         variants::variants,
     },
-    tracer::{color::Color, error::GeometryError, material::Material},
+    tracer::{error::GeometryError, material::Material},
 };
 
 variants! {
@@ -46,56 +46,57 @@ variants! {
     }
 }
 
-impl MaterialModel {
-    /// The material; `None` for a name.
-    pub(crate) fn build(&self) -> Option<Result<Material, GeometryError>> {
-        match self {
-            Self::Matte(material) => Some(material.build()),
-            Self::Phong(material) => Some(material.build()),
-            Self::Mirror(material) => Some(material.build()),
-            Self::Glass(material) => Some(material.build()),
-            Self::Flat(material) => Some(material.build()),
-            Self::Emissive(material) => Some(material.build()),
-            Self::Named(_) => None,
-        }
-    }
+/// What each kind of material answers in its own file.
+pub(crate) trait MaterialKind {
+    /// The material.
+    fn build(&self) -> Result<Material, GeometryError>;
 
-    /// Returns the material itself, if this is a name; `None` for an unknown one.
-    pub(crate) fn resolve<'m>(&'m self, materials: Option<&'m MaterialsModel>) -> Option<&'m Self> {
-        let Some(name) = self.named() else {
-            return Some(self);
-        };
-        let mut entries = materials.into_iter().flat_map(|materials| &materials.0);
-        let (_, material) = entries.find(|(known, _)| **known == *name)?;
-        material.named().is_none().then_some(material)
-    }
-
-    /// Returns the first color; `None` for a name.
-    pub(crate) fn first_color(&self) -> Option<Color> {
-        Some(self.build()?.ok()?.color())
-    }
-
-    /// Returns true for glass.
-    pub(crate) fn is_glass(&self) -> bool {
-        matches!(self, Self::Glass(_))
+    /// Returns true if light goes through.
+    fn is_glass(&self) -> bool {
+        false
     }
 
     /// Returns true if it sends light of its own.
-    pub(crate) fn emits(&self) -> bool {
-        matches!(self, Self::Flat(_) | Self::Emissive(_))
+    fn emits(&self) -> bool {
+        false
+    }
+
+    /// Returns a field that is given in vain, and the reason.
+    fn moot_field(&self) -> Option<[&'static str; 2]> {
+        None
+    }
+}
+
+impl MaterialModel {
+    /// Returns the description, or the name of one.
+    pub(crate) fn described(&self) -> Result<&dyn MaterialKind, &str> {
+        match self {
+            Self::Matte(material) => Ok(material),
+            Self::Phong(material) => Ok(material),
+            Self::Mirror(material) => Ok(material),
+            Self::Glass(material) => Ok(material),
+            Self::Flat(material) => Ok(material),
+            Self::Emissive(material) => Ok(material),
+            Self::Named(NamedModel(name)) => Err(name),
+        }
+    }
+
+    /// Returns the description, also of a named material; `None` for an unknown name.
+    pub(crate) fn resolve<'m>(
+        &'m self,
+        materials: Option<&'m MaterialsModel>,
+    ) -> Option<&'m dyn MaterialKind> {
+        self.described().ok().or_else(|| {
+            let name = self.named()?;
+            let mut entries = materials.into_iter().flat_map(|materials| &materials.0);
+            let (_, material) = entries.find(|(known, _)| **known == *name)?;
+            material.described().ok()
+        })
     }
 
     /// Returns the name that it refers to.
     pub(crate) fn named(&self) -> Option<&str> {
-        match self {
-            Self::Named(NamedModel(name)) => Some(name),
-            Self::Matte(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Glass(_)
-            | Self::Flat(_)
-            | Self::Emissive(_) => None,
-        }
+        self.described().err()
     }
 }
 
@@ -133,7 +134,7 @@ impl Materials {
     pub(crate) fn of(model: Option<&MaterialsModel>) -> Result<Self, GeometryError> {
         let entries = model.iter().flat_map(|materials| &materials.0);
         let built = entries.filter_map(|(name, material)| {
-            let material = material.build()?;
+            let material = material.described().ok()?.build();
             Some(material.map(|material| (name.clone(), material)))
         });
         built.collect::<Result<_, _>>().map(Self)
@@ -156,13 +157,12 @@ impl Materials {
 
     /// Builds a material.
     pub(crate) fn of_model(&self, material: &MaterialModel) -> Result<Material, GeometryError> {
-        let named = || {
-            let name = material.named()?;
-            self.0.get(name).cloned()
-        };
-        let matte = || Material::Matte(ColorModel::BLACK.build());
-        material
-            .build()
-            .unwrap_or_else(|| Ok(named().unwrap_or_else(matte)))
+        match material.described() {
+            Ok(material) => material.build(),
+            Err(name) => Ok(match self.0.get(name) {
+                Some(material) => material.clone(),
+                None => Material::Matte(ColorModel::BLACK.build()),
+            }),
+        }
     }
 }

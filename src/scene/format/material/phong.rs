@@ -1,8 +1,9 @@
 //! A surface with a highlight, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, object::object},
+    scene::format::{color::ColorModel, material::MaterialKind, object::object},
     tracer::{
+        color::Color,
         error::GeometryError,
         material::{Material, Phong},
     },
@@ -23,9 +24,8 @@ object! {
     }
 }
 
-impl PhongModel {
-    /// The material.
-    pub(crate) fn build(&self) -> Result<Material, GeometryError> {
+impl MaterialKind for PhongModel {
+    fn build(&self) -> Result<Material, GeometryError> {
         let [diffuse, specular] = [self.diffuse.build(), self.specular().build()];
         Phong::new(
             diffuse,
@@ -34,5 +34,11 @@ impl PhongModel {
             self.reflection().build(),
         )
         .map(Material::from)
+    }
+
+    fn moot_field(&self) -> Option<[&'static str; 2]> {
+        let specular = self.specular.as_ref().map(ColorModel::build);
+        let is_moot = self.exponent.is_some() && specular == Some(Color::BLACK);
+        is_moot.then_some(["exponent", "`specular` is black"])
     }
 }
