@@ -6,9 +6,10 @@ use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
 
 use crate::{
     compare::{
-        layers::{Layer, NumberKind},
+        layers::Layer,
         limit::{self, PictureOptions, broken},
     },
+    data::table::layout::Scalar,
     diagnostic::error::Error,
 };
 
@@ -70,7 +71,7 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
                 continue;
             }
             let (kind, bytes) = bytes(&channel.sample_data);
-            if bytes.len() as u64 != size.pixels() * kind.bytes() as u64 {
+            if bytes.len() as u64 != size.pixels() * kind.size() as u64 {
                 let why = format!("the channel `{name}` does not have a number for each pixel");
                 return Err(limit::broken("exr", why));
             }
@@ -90,14 +91,11 @@ fn side(side: usize) -> u32 {
     u32::try_from(side).unwrap_or(u32::MAX)
 }
 
-fn bytes(samples: &FlatSamples) -> (NumberKind, Vec<u8>) {
+fn bytes(samples: &FlatSamples) -> (Scalar, Vec<u8>) {
     match samples {
-        FlatSamples::F16(all) => (NumberKind::F16, joined(all, |one| one.to_le_bytes())),
-        FlatSamples::F32(all) => (NumberKind::F32, joined(all, |one| one.to_le_bytes())),
-        FlatSamples::U32(all) => (
-            NumberKind::Unsigned(4),
-            joined(all, |one| one.to_le_bytes()),
-        ),
+        FlatSamples::F16(all) => (Scalar::F16, joined(all, |one| one.to_le_bytes())),
+        FlatSamples::F32(all) => (Scalar::F32, joined(all, |one| one.to_le_bytes())),
+        FlatSamples::U32(all) => (Scalar::U32, joined(all, |one| one.to_le_bytes())),
     }
 }
 

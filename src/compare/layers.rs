@@ -1,51 +1,23 @@
 //! Named values of a picture other than its colors: channels of EXR, arrays of NPY and NPZ.
 
-use half::f16;
 use serde::Serialize;
 
 use crate::{
     compare::{picture::Samples, values::delta},
+    data::table::layout::{Endian, Scalar},
     film::size::Size,
 };
 
-/// The type of a number in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NumberKind {
-    F16,
-    F32,
-    F64,
-    Signed(usize),
-    Unsigned(usize),
-}
-
-impl NumberKind {
-    /// Returns the size in bytes.
-    pub(super) const fn bytes(self) -> usize {
-        match self {
-            Self::F16 => 2,
-            Self::F32 => 4,
-            Self::F64 => 8,
-            Self::Signed(bytes) | Self::Unsigned(bytes) => bytes,
-        }
-    }
-
-    /// Returns the number stored in these bytes, in little-endian order.
-    fn number(self, bytes: &[u8]) -> Number {
-        fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
-            bytes.try_into().unwrap_or([0; N])
-        }
-        match self {
-            Self::F16 => Number::Float(f16::from_le_bytes(array(bytes)).into()),
-            Self::F32 => Number::Float(f32::from_le_bytes(array(bytes)).into()),
-            Self::F64 => Number::Float(f64::from_le_bytes(array(bytes))),
-            Self::Signed(_) | Self::Unsigned(_) => {
-                let is_negative = matches!(self, Self::Signed(_))
-                    && bytes.last().is_some_and(|last| *last >= 0x80);
-                let mut all = [if is_negative { 255 } else { 0 }; 16];
-                all[..bytes.len()].copy_from_slice(bytes);
-                Number::Whole(i128::from_le_bytes(all))
-            }
-        }
+/// Returns the number of a type in these bytes, in little-endian order.
+fn number(kind: Scalar, bytes: &[u8]) -> Number {
+    let eight = || bytes.try_into().unwrap_or_default();
+    let float = kind.number(bytes, Endian::Little).unwrap_or_default();
+    match kind {
+        Scalar::F16 | Scalar::F32 | Scalar::F64 => Number::Float(float),
+        // Not all of these are f64.
+        Scalar::I64 => Number::Whole(i64::from_le_bytes(eight()).into()),
+        Scalar::U64 => Number::Whole(u64::from_le_bytes(eight()).into()),
+        _ => Number::Whole(float as i128),
     }
 }
 
@@ -74,7 +46,7 @@ pub(super) struct Layer {
     pub(super) size: Size,
     /// Number of values per pixel.
     pub(super) count: usize,
-    pub(super) kind: NumberKind,
+    pub(super) kind: Scalar,
     /// The values, pixel by pixel from the top left, in little-endian order.
     pub(super) bytes: Vec<u8>,
 }
@@ -84,8 +56,8 @@ impl Layer {
     /// RGBA.
     pub(super) fn as_colors(&self) -> Option<(usize, Samples)> {
         let samples = match (self.count, self.kind) {
-            (1 | 3 | 4, NumberKind::Unsigned(1)) => Samples::Bytes(self.bytes.clone()),
-            (1 | 3 | 4, NumberKind::Unsigned(2)) => {
+            (1 | 3 | 4, Scalar::U8) => Samples::Bytes(self.bytes.clone()),
+            (1 | 3 | 4, Scalar::U16) => {
                 let (words, _) = self.bytes.as_chunks();
                 Samples::Words(words.iter().map(|word| u16::from_le_bytes(*word)).collect())
             }
@@ -140,13 +112,13 @@ fn differences(a: &Layer, b: &Layer) -> (u64, f64) {
     if (a.kind, &a.bytes) == (b.kind, &b.bytes) {
         return (different, most);
     }
-    let pixels = |layer: &Layer| layer.count * layer.kind.bytes();
+    let pixels = |layer: &Layer| layer.count * layer.kind.size();
     let all = a.bytes.chunks_exact(pixels(a));
     for (one, other) in all.zip(b.bytes.chunks_exact(pixels(b))) {
-        let numbers = one.chunks_exact(a.kind.bytes());
+        let numbers = one.chunks_exact(a.kind.size());
         let deltas = numbers
-            .zip(other.chunks_exact(b.kind.bytes()))
-            .map(|(one, other)| a.kind.number(one).delta(&b.kind.number(other)));
+            .zip(other.chunks_exact(b.kind.size()))
+            .map(|(one, other)| number(a.kind, one).delta(&number(b.kind, other)));
         let largest = deltas.fold(0.0, f64::max);
         different += u64::from(largest > 0.0);
         most = f64::max(most, largest);

@@ -6,25 +6,24 @@ use zip::ZipArchive;
 
 use crate::{
     compare::{
-        layers::{Layer, NumberKind},
+        layers::Layer,
         limit::{self, PictureOptions},
+    },
+    data::{
+        fault::ReadError,
+        npy::{self, Descr, Header},
+        table::layout::{Endian, Scalar},
     },
     diagnostic::error::Error,
     film::size::Size,
-    text::{
-        literal::{Literal, Value},
-        members,
-        nearest::quote,
-    },
+    text::{members, nearest::quote},
 };
 
 /// The name given to the array of an NPY file, which has none.
 pub(super) const ARRAY: &str = "array";
-const MAGIC: &[u8; 6] = b"\x93NUMPY";
-const LONGEST_HEADER: u64 = 1 << 16;
 
 pub(super) fn is_npy(file: &[u8]) -> bool {
-    file.starts_with(MAGIC)
+    file.starts_with(npy::MAGIC)
 }
 
 pub(super) fn is_npz(file: &[u8]) -> bool {
@@ -37,8 +36,8 @@ fn broken(what: impl std::fmt::Display) -> Error {
 
 /// Reads the array of an NPY file.
 pub(super) fn npy(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, Error> {
-    let mut numbers = 0;
-    Ok(vec![array(ARRAY, file, options, &mut numbers)?])
+    let length = file.len() as u64;
+    Ok(vec![array(ARRAY, (file, length), options, &mut 0)?])
 }
 
 /// Reads the arrays of an NPZ file.
@@ -56,7 +55,8 @@ pub(super) fn npz(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, E
         let entry = archive.by_index(index).map_err(broken)?;
         let name = entry.name().map_err(broken)?.into_owned();
         let name = name.strip_suffix(".npy").unwrap_or(&name);
-        let layer = array(name, entry, options, &mut numbers);
+        let length = entry.size();
+        let layer = array(name, (entry, length), options, &mut numbers);
         layers.push(layer.map_err(|error| broken(format!("`{name}`: {error}")))?);
     }
     Ok(layers)
@@ -66,53 +66,57 @@ pub(super) fn npz(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, E
 /// counts the values in all arrays of a file.
 fn array(
     name: &str,
-    mut reader: impl Read,
+    (mut reader, length): (impl Read, u64),
     options: &PictureOptions,
     numbers: &mut u64,
 ) -> Result<Layer, Error> {
-    let mut take = |count: u64| {
-        let mut bytes = Vec::new();
-        let read = reader.by_ref().take(count).read_to_end(&mut bytes);
-        match read {
-            Ok(read) if read as u64 == count => Ok(bytes),
-            Ok(_) => Err(broken("the file is cut off")),
-            Err(error) => Err(broken(error)),
+    let read = Header::read(&mut reader, length).map_err(|error| match error {
+        ReadError::Io(error) => broken(error),
+        ReadError::Invalid(fault) => broken(fault.message),
+    });
+    let (header, _) = read?;
+    let Descr::Bare(descr) = &header.descr else {
+        return Err(broken("it is not an array of bare numbers"));
+    };
+    let (kind, endian) = match npy::scalar(descr) {
+        Some((Scalar::Bool, endian)) => (Scalar::U8, endian),
+        Some(found) => found,
+        None => {
+            return Err(broken(format!(
+                "the type is `{descr}`, expected f2, f4, f8, u1 to u8 and i1 to i8"
+            )));
         }
     };
-    let start = take(8)?;
-    let wide = match start.split_at(6) {
-        (magic, [1, 0]) if magic == MAGIC => 2,
-        (magic, [2 | 3, 0]) if magic == MAGIC => 4,
-        _ => return Err(broken("the version is not 1, 2 or 3")),
+    let (height, width, count) = match *header.shape {
+        [height, width] => (height, width, 1),
+        [height, width, count] if count > 0 => (height, width, count),
+        _ => {
+            return Err(broken(
+                "its shape is neither (rows, columns) nor (rows, columns, numbers)",
+            ));
+        }
     };
-    let length = take(wide)?
-        .iter()
-        .rev()
-        .fold(0, |sum, byte| sum << 8 | u64::from(*byte));
-    if length > LONGEST_HEADER {
-        return Err(broken("the header is too long"));
-    }
-    let text = String::from_utf8(take(length)?).map_err(broken)?;
-    let Header {
-        kind,
-        is_big,
-        is_fortran,
-        size,
-        count,
-    } = header(&text, options)?;
+    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+    let size = options.size(side(width), side(height))?;
     *numbers += size.pixels() * count as u64;
     options.check_numbers(*numbers)?;
-    let mut bytes = take(size.pixels() * (count * kind.bytes()) as u64)?;
-    if !take_nothing(&mut reader)? {
-        return Err(broken("there are bytes after the last number"));
+    let expected = size.pixels() * (count * kind.size()) as u64;
+    let mut bytes = Vec::new();
+    let mut elements = reader.take(expected + 1);
+    match elements.read_to_end(&mut bytes).map_err(broken)? as u64 {
+        found if found < expected => return Err(broken("the file is cut off")),
+        found if found > expected => {
+            return Err(broken("there are bytes after the last number"));
+        }
+        _ => {}
     }
-    if is_big {
+    if endian == Endian::Big {
         bytes
-            .chunks_exact_mut(kind.bytes())
+            .chunks_exact_mut(kind.size())
             .for_each(<[u8]>::reverse);
     }
-    if is_fortran {
-        bytes = by_rows(&bytes, size, count, kind.bytes());
+    if header.fortran_order {
+        bytes = by_rows(&bytes, size, count, kind.size());
     }
     Ok(Layer {
         name: name.to_owned(),
@@ -121,11 +125,6 @@ fn array(
         kind,
         bytes,
     })
-}
-
-fn take_nothing(reader: &mut impl Read) -> Result<bool, Error> {
-    let mut one = [0];
-    reader.read(&mut one).map(|read| read == 0).map_err(broken)
 }
 
 /// Converts numbers whose first index varies fastest to pixel order.
@@ -141,64 +140,4 @@ fn by_rows(bytes: &[u8], size: Size, count: usize, one: usize) -> Vec<u8> {
         }
     }
     sorted
-}
-
-struct Header {
-    kind: NumberKind,
-    is_big: bool,
-    is_fortran: bool,
-    size: Size,
-    /// Number of values per pixel.
-    count: usize,
-}
-
-fn header(text: &str, options: &PictureOptions) -> Result<Header, Error> {
-    let mut literal = Literal::new(text);
-    let entries = literal.dictionary().filter(|_| literal.is_at_end());
-    let entries = entries.ok_or_else(|| broken("the header is not a Python dictionary"))?;
-    let entry = |name: &str| {
-        let mut all = entries.iter();
-        all.find(|(key, _)| key == name).map(|(_, value)| value)
-    };
-    let (Some(Value::Text(descr)), Some(Value::Flag(is_fortran)), Some(Value::Shape(shape))) =
-        (entry("descr"), entry("fortran_order"), entry("shape"))
-    else {
-        return Err(broken("it is not an array of bare numbers"));
-    };
-    let (order, kind) = descr.split_at_checked(1).unwrap_or_default();
-    let kind = match kind {
-        "f2" => NumberKind::F16,
-        "f4" => NumberKind::F32,
-        "f8" => NumberKind::F64,
-        "u1" | "b1" => NumberKind::Unsigned(1),
-        "u2" => NumberKind::Unsigned(2),
-        "u4" => NumberKind::Unsigned(4),
-        "u8" => NumberKind::Unsigned(8),
-        "i1" => NumberKind::Signed(1),
-        "i2" => NumberKind::Signed(2),
-        "i4" => NumberKind::Signed(4),
-        "i8" => NumberKind::Signed(8),
-        _ => {
-            return Err(broken(format!(
-                "the type is `{descr}`, expected f2, f4, f8, u1 to u8 and i1 to i8"
-            )));
-        }
-    };
-    let (height, width, count) = match **shape {
-        [height, width] => (height, width, 1),
-        [height, width, count] if count > 0 => (height, width, count),
-        _ => {
-            return Err(broken(
-                "its shape is neither (rows, columns) nor (rows, columns, numbers)",
-            ));
-        }
-    };
-    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
-    Ok(Header {
-        kind,
-        is_big: order == ">",
-        is_fortran: *is_fortran,
-        size: options.size(side(width), side(height))?,
-        count,
-    })
 }

@@ -129,6 +129,11 @@ pub(super) fn read_bytes(reader: impl Read, length: usize) -> Result<Vec<u8>, Re
     Ok(bytes)
 }
 
+/// The fault of a file that no address reaches to the end of.
+pub(super) fn too_large() -> Fault {
+    Fault::new("the file is too large")
+}
+
 pub(crate) fn shorter() -> Fault {
     Fault::new("the file became shorter while it was read")
 }

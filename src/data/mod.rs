@@ -5,5 +5,6 @@
 pub(crate) mod bytes;
 pub(crate) mod fault;
 pub(crate) mod mesh;
+pub(crate) mod npy;
 pub(crate) mod ply;
 pub(crate) mod table;

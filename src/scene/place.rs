@@ -119,7 +119,7 @@ impl Place<'_> {
         let values = table.values();
         let is_finite = values.is_some_and(|values| values.range().is_some()) || table.rows() == 0;
         let known = values.map(|_| is_finite);
-        let problem = self.values(by, table.names(), known);
+        let problem = self.values(by, &table.names, known);
         // The columns of an array without names have those of their order.
         let is_array = Format::of_name(self.file) == Some(Format::Npy) && named.columns.is_none();
         problems.extend(problem.map(|problem| match problem.diagnostic.help {
@@ -183,7 +183,7 @@ impl Place<'_> {
 
     /// Warns about what a table does not take from its file.
     pub(super) fn not_taken(&self, table: &Table) -> impl Iterator<Item = Problem> {
-        let left_out = table.left_out().into_iter().flat_map(|left_out| {
+        let left_out = table.left_out.iter().flat_map(|left_out| {
             let rows = counted(&left_out.listed, left_out.count);
             rows.map(|(row, count)| {
                 let at = At::row(row, table.line(*row));
@@ -191,7 +191,7 @@ impl Place<'_> {
                 self.fault(Code::NoEffect, &fault, count)
             })
         });
-        let behind = table.behind();
+        let behind = table.behind.as_ref();
         let behind = behind.map(|fault| self.fault(Code::NoEffect, fault, 1));
         left_out.chain(behind)
     }
@@ -208,12 +208,12 @@ impl Place<'_> {
             Some(_) => format.color_names(named.kind).collect(),
             None => Vec::new(),
         };
-        let all: Vec<_> = table.names().all.iter().map(String::as_str).collect();
+        let all: Vec<_> = table.names.all.iter().map(String::as_str).collect();
         // One that a misspelt `color_by` means is not needless.
         let by = named.color_by.map(|by| &*by.column);
         let by = by.filter(|by| !all.contains(by));
         let by = by.and_then(|by| nearest(by, &all));
-        let unused = table.names().unused.iter().map(String::as_str);
+        let unused = table.names.unused.iter().map(String::as_str);
         let unused = unused.filter(|name| Some(*name) != by);
         let (replaced, unused): (Vec<_>, Vec<_>) = unused.partition(|name| colors.contains(name));
         if !replaced.is_empty() {
@@ -229,7 +229,7 @@ impl Place<'_> {
         let problem = self.unused(&unused, named, "");
         let known = format.column_names(named.kind);
         let missing = known.filter(|known| {
-            let is_there = table.names().all.iter().any(|name| name == known);
+            let is_there = table.names.all.iter().any(|name| name == known);
             !is_there && !colors.contains(known)
         });
         let missing: Vec<_> = missing.collect();
@@ -278,7 +278,7 @@ impl Place<'_> {
             }
         }
         let (clamped, wrong): (Vec<_>, Vec<_>) = table
-            .bad()
+            .bad
             .iter()
             .copied()
             .partition(|bad| bad.kind == BadKind::Clamped);
@@ -291,7 +291,7 @@ impl Place<'_> {
         };
         // The choice of a column is one fault.
         let (choice, rows): (Vec<_>, Vec<_>) =
-            table.bad_rows().iter().partition(|bad| is_choice(bad));
+            table.bad_rows.iter().partition(|bad| is_choice(bad));
         let count = choice.iter().map(|bad| bad.count).sum();
         let mut choice = choice.first().map(|first| BadRows::clone(first));
         choice.iter_mut().for_each(|choice| choice.count = count);
@@ -309,7 +309,7 @@ impl Place<'_> {
         let fault = match by {
             None => bad.fault.clone(),
             Some(by) => {
-                let others = table.names().all.iter().map(String::as_str);
+                let others = table.names.all.iter().map(String::as_str);
                 let others: Vec<_> = others.filter(|name| *name != &*by.column).collect();
                 bad.fault.clone().blame_value(&others)
             }
@@ -392,7 +392,7 @@ impl Place<'_> {
             }
         };
         let column = format.column(named.kind, bad.column).unwrap_or_default();
-        let names = &table.names().all;
+        let names = &table.names.all;
         let (at, of) = (names.iter().position(|name| name == column), names.len());
         let part = match at {
             // The columns of atoms are not those of the text.

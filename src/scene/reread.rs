@@ -26,8 +26,8 @@ pub(crate) struct RowsOf {
 impl RowsOf {
     pub(crate) fn new(table: &Table, file: Option<Arc<TableFile>>) -> Self {
         Self {
-            columns: Arc::clone(&table.names().all),
-            left_out: table.left_out().cloned(),
+            columns: Arc::clone(&table.names.all),
+            left_out: table.left_out.clone(),
             file,
         }
     }

@@ -104,7 +104,7 @@ impl Content {
         match self {
             Self::Table(table, _) => {
                 if let Some(named) = model.geometry(at).and_then(GeometryModel::table) {
-                    let given = defaults(&named, model.materials.as_ref(), table.format());
+                    let given = defaults(&named, model.materials.as_ref(), table.format);
                     Arc::make_mut(table).set_defaults(&given);
                 }
             }
@@ -167,7 +167,7 @@ pub(crate) fn read(
         };
         let (table, file) = match open(named, model.materials.as_ref(), &place, files, options) {
             Ok((table, file)) => {
-                let format = table.format();
+                let format = table.format;
                 place.check(named, &table, format, &mut problems);
                 problems.extend(place.not_taken(&table));
                 locate(&mut problems);
@@ -192,7 +192,7 @@ pub(crate) fn read(
             break;
         }
         let content = match geometry {
-            GeometryModel::Instances(_) if !table.bad().is_empty() => continue,
+            GeometryModel::Instances(_) if !table.bad.is_empty() => continue,
             GeometryModel::Instances(instances) => {
                 let around = model.leaf(at).map(|leaf| leaf.placement);
                 let around = around.as_ref().and_then(|all| all.transform().ok()?);

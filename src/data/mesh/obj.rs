@@ -17,42 +17,9 @@ use crate::{
     tracer::shape::mesh::MeshGroup,
 };
 
-/// Statements that say nothing about faces.
-const SKIPPED: [&[u8]; 33] = [
-    b"vt",
-    b"vn",
-    b"vp",
-    b"s",
-    b"mg",
-    b"deg",
-    b"bmat",
-    b"step",
-    b"cstype",
-    b"parm",
-    b"trim",
-    b"hole",
-    b"scrv",
-    b"sp",
-    b"end",
-    b"con",
-    b"bevel",
-    b"c_interp",
-    b"d_interp",
-    b"lod",
-    b"maplib",
-    b"usemap",
-    b"shadow_obj",
-    b"trace_obj",
-    b"ctech",
-    b"stech",
-    b"call",
-    b"csh",
-    b"res",
-    b"bzp",
-    b"bsp",
-    b"cdc",
-    b"cdp",
-];
+/// Statements that say nothing about faces, besides those of texture coordinates and normals.
+const SKIPPED: &str = "vp s mg deg bmat step cstype parm trim hole scrv sp end con bevel c_interp d_interp \
+    lod maplib usemap shadow_obj trace_obj ctech stech call csh res bzp bsp cdc cdp";
 
 pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
     file.skip_mark()?;
@@ -72,18 +39,11 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
 
 /// Statements of names, which may end with a `\`, as folders do: there, one that joins lines is a word
 /// of its own.
-const OF_NAMES: [&[u8]; 10] = [
-    b"g",
-    b"o",
-    b"usemtl",
-    b"mtllib",
-    b"usemap",
-    b"maplib",
-    b"shadow_obj",
-    b"trace_obj",
-    b"call",
-    b"csh",
-];
+const OF_NAMES: &str = "g o usemtl mtllib usemap maplib shadow_obj trace_obj call csh";
+
+fn is_any(keyword: &[u8], all: &str) -> bool {
+    all.split(' ').any(|one| one.as_bytes() == keyword)
+}
 
 /// Returns true if a `\` joins a line to the next: at its end, unless it is that of a name or a
 /// comment. The lines before `last` have neither.
@@ -98,7 +58,7 @@ fn is_in_name(line: &[u8]) -> bool {
     let start = line.get(..256).unwrap_or(line);
     let mut words = start.split(u8::is_ascii_whitespace);
     let keyword = words.find(|word| !word.is_empty());
-    keyword.is_some_and(|keyword| OF_NAMES.contains(&keyword))
+    keyword.is_some_and(|keyword| is_any(keyword, OF_NAMES))
         && line
             .iter()
             .nth_back(1)
@@ -138,6 +98,7 @@ impl Reader {
         };
         let is_data = |word: &&[u8]| !word.starts_with(b"#");
         match keyword {
+            b"vn" | b"vt" => {}
             b"v" => self.vertex(line, words.take_while(is_data))?,
             b"f" | b"fo" => self.face(line, words.take_while(is_data))?,
             b"g" | b"o" => {
@@ -152,7 +113,7 @@ impl Reader {
                 let keyword = quote(&String::from_utf8_lossy(keyword));
                 At::line(line).fault(format!("{keyword} is not used, only faces `f`"))
             }),
-            _ if keyword.starts_with(b"#") || SKIPPED.contains(&keyword) => {}
+            _ if keyword.starts_with(b"#") || is_any(keyword, SKIPPED) => {}
             _ => self.mesh.note(Flaw::Line, || {
                 let keyword = String::from_utf8_lossy(keyword);
                 let at = At::line(line).word(&*keyword);

@@ -8,38 +8,35 @@ use crate::data::fault::{At, Fault};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FilePlace {
     row: Option<(&'static str, usize)>,
-    spot: Spot,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Spot {
-    Line(u64),
-    Byte(u64),
+    is_line: bool,
+    number: u64,
 }
 
 impl FilePlace {
-    pub(super) const fn line(line: u64) -> Self {
-        let (row, spot) = (None, Spot::Line(line));
-        Self { row, spot }
+    pub(super) const fn line(number: u64) -> Self {
+        Self {
+            row: None,
+            is_line: true,
+            number,
+        }
     }
 
-    pub(super) const fn byte(byte: u64) -> Self {
-        let (row, spot) = (None, Spot::Byte(byte));
-        Self { row, spot }
+    pub(super) const fn byte(number: u64) -> Self {
+        Self {
+            is_line: false,
+            ..Self::line(number)
+        }
     }
 
     /// Names the row of an element that is at the place.
-    pub(super) const fn row(self, element: &'static str, row: usize) -> Self {
-        let (row, spot) = (Some((element, row)), self.spot);
-        Self { row, spot }
+    pub(super) const fn row(mut self, element: &'static str, row: usize) -> Self {
+        self.row = Some((element, row));
+        self
     }
 
     /// Returns the line, if the file is a text.
-    pub(super) const fn text_line(self) -> Option<u64> {
-        match self.spot {
-            Spot::Line(line) => Some(line),
-            Spot::Byte(_) => None,
-        }
+    pub(super) fn text_line(self) -> Option<u64> {
+        self.is_line.then_some(self.number)
     }
 
     /// Returns the place as that of a fault.
@@ -53,21 +50,12 @@ impl FilePlace {
     }
 }
 
-impl fmt::Display for Spot {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Line(line) => write!(f, "line {line}"),
-            Self::Byte(byte) => write!(f, "byte {byte}"),
-        }
-    }
-}
-
 impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let spot = self.spot;
+        let (spot, number) = (if self.is_line { "line" } else { "byte" }, self.number);
         match self.row {
-            Some((element, row)) => write!(f, "{element} {row} ({spot})"),
-            None => write!(f, "{spot}"),
+            Some((element, row)) => write!(f, "{element} {row} ({spot} {number})"),
+            None => write!(f, "{spot} {number}"),
         }
     }
 }

@@ -84,38 +84,35 @@ impl Check {
         if layout.columns[OTHER_END.start].is_some() {
             look_at_ends(layout.kind, block, found);
         }
-        let is_angle = layout.kind == RowKind::Copy;
         let columns = layout.columns.iter().zip(&block.columns).enumerate();
         for (column, (place, numbers)) in columns {
             if !matches!(place, Some(Column::Stored { .. })) {
                 continue;
             }
-            let mut look = Look {
-                found,
-                column,
-                first: block.first,
-                numbers,
+            let (range, other) = match column {
+                // Values may be anything, but the angles of copies.
+                VALUE if layout.kind != RowKind::Copy => continue,
+                RADIUS => (SMALLEST..=f64::MAX, BadKind::NotAboveZero),
+                _ if COLORS.contains(&column) => (0.0..=1.0, BadKind::Clamped),
+                _ => (f64::MIN..=f64::MAX, BadKind::NotFinite),
             };
             // One pass finds out if there is anything to report, which is rare.
-            match column {
-                VALUE if is_angle && !look.lie_in(f64::MIN..=f64::MAX) => {
-                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
+            if lie_in(numbers, &range) {
+                continue;
+            }
+            for wanted in [BadKind::NotFinite, other] {
+                for (row, value) in (block.first..).zip(numbers) {
+                    let kind = match value.is_finite() {
+                        true => other,
+                        false => BadKind::NotFinite,
+                    };
+                    if kind == wanted && !range.contains(value) {
+                        note(found, (kind, column), row, *value);
+                    }
                 }
-                0..RADIUS if !look.lie_in(f64::MIN..=f64::MAX) => {
-                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
+                if wanted == other {
+                    break;
                 }
-                RADIUS if !look.lie_in(SMALLEST..=f64::MAX) => {
-                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
-                    let is_bad = |number: f64| number.is_finite() && number <= 0.0;
-                    look.look_for(BadKind::NotAboveZero, is_bad);
-                }
-                _ if COLORS.contains(&column) && !look.lie_in(0.0..=1.0) => {
-                    look.look_for(BadKind::NotFinite, |number| !number.is_finite());
-                    let is_channel = |number: f64| (0.0..=1.0).contains(&number);
-                    let is_bad = |number: f64| number.is_finite() && !is_channel(number);
-                    look.look_for(BadKind::Clamped, is_bad);
-                }
-                _ => {}
             }
         }
     }
@@ -124,31 +121,13 @@ impl Check {
 /// The smallest number above 0.
 const SMALLEST: f64 = f64::from_bits(1);
 
-/// The numbers of a column in a block, and the list of their faults.
-struct Look<'a> {
-    found: &'a mut Vec<Bad>,
-    column: usize,
-    first: usize,
-    numbers: &'a [f64],
-}
-
-impl Look<'_> {
-    /// Returns true if all numbers are in the range, without a branch for each.
-    fn lie_in(&self, range: RangeInclusive<f64>) -> bool {
-        let (low, high) = range.into_inner();
-        let numbers = self.numbers.iter();
-        numbers.fold(true, |all, number| {
-            all & (low <= *number) & (*number <= high)
-        })
-    }
-
-    fn look_for(&mut self, kind: BadKind, is_bad: impl Fn(f64) -> bool) {
-        for (row, value) in (self.first..).zip(self.numbers) {
-            if is_bad(*value) {
-                note(self.found, (kind, self.column), row, *value);
-            }
-        }
-    }
+/// Returns true if all numbers are in the range, without a branch for each.
+fn lie_in(numbers: &[f64], range: &RangeInclusive<f64>) -> bool {
+    let (low, high) = (*range.start(), *range.end());
+    let numbers = numbers.iter();
+    numbers.fold(true, |all, number| {
+        all & (low <= *number) & (*number <= high)
+    })
 }
 
 /// Looks for cylinders whose ends are too close or too far apart, and for copies whose axis has no

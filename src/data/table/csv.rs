@@ -44,11 +44,10 @@ const HEAD: usize = if cfg!(test) { 16 } else { 1 << 16 };
 
 pub(super) fn read(
     mut reader: impl Read + Send,
-    length: u64,
+    length: usize,
     request: &Request,
     pool: impl FnOnce(usize) -> Pool,
 ) -> Result<Table, ReadError> {
-    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let (mut text, (names, opening, body)) = read_opening(&mut reader, length, request)?;
     let header = Header::new(names, request)?;
     let Opening {
@@ -62,7 +61,7 @@ pub(super) fn read(
         true => text.iter().filter(|byte| **byte == b'\r').count(),
         false => line_ends(&text),
     };
-    let mut rows = Rows::new();
+    let mut rows = Rows::default();
     let blocks: Blocks<Box<dyn Read + Send + '_>> = if separator == Separator::Comma && !is_mac {
         Blocks::new(Box::new(reader), left, records)
     } else {
@@ -87,11 +86,10 @@ pub(super) fn read(
 /// Reads the cells of a row, with the names of their columns.
 pub(super) fn row_cells(
     mut reader: impl Read,
-    length: u64,
+    length: usize,
     request: &Request,
     row: usize,
 ) -> Result<RowCells, ReadError> {
-    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let (mut text, (names, opening, body)) = read_opening(&mut reader, length, request)?;
     let records = Cursor::new(text.split_off(body.min(text.len()))).chain(reader);
     let [_, separator] = opening.separators;

@@ -42,7 +42,7 @@ impl Table {
         }
         let columns = self.layout.columns;
         let has = columns.map(|column| matches!(column, Some(Column::Stored { .. })));
-        let (mut rows, mut kept, mut numbers) = (Rows::new(), Vec::new(), Vec::new());
+        let (mut rows, mut kept, mut numbers) = (Rows::default(), Vec::new(), Vec::new());
         // Without lines, all rows have the same place.
         let most = self.first_line.map_or(1, |_| most_listed(false));
         let (mut listed, mut count) = (Vec::new(), 0);
@@ -100,11 +100,6 @@ impl Table {
             ..table
         })
     }
-
-    /// Returns the rows of the file that were left out, if there are any.
-    pub(crate) const fn left_out(&self) -> Option<&Arc<LeftOut>> {
-        self.left_out.as_ref()
-    }
 }
 
 #[cfg(test)]
@@ -153,12 +148,12 @@ mod tests {
         let text = "x,y,z,radius\nnan,nan,nan,1\n1,2,3,\nnan,nan,nan,\n4,5,6,3\n7,8,9,\n";
         let mut table = read(text, 2.0);
         assert_eq!(radii(&table), [2.0, 3.0, 2.0]);
-        let left_out = table.left_out().unwrap();
+        let left_out = table.left_out.clone().unwrap();
         assert_eq!((&*left_out.listed, left_out.count), (&[0, 2][..], 2));
         let rows = [0, 1, 2].map(|row| left_out.row_in_file(row));
         assert_eq!(rows, [1, 3, 4]);
         assert_eq!(table.line(3), Some(5));
-        assert!(table.bad().is_empty() && !table.has_every_radius());
+        assert!(table.bad.is_empty() && !table.has_every_radius());
         // Empty cells stay empty.
         table.set_defaults(&Defaults {
             radius: Some(5.0),
@@ -170,11 +165,11 @@ mod tests {
     #[test]
     fn a_row_with_some_coordinates_is_wrong() {
         let table = read("x,y,z\nnan,nan,nan\n1,2,3\nnan,5,6\n", 1.0);
-        let bad = table.bad();
+        let bad = &table.bad;
         assert_eq!((bad.len(), bad[0].row, bad[0].count), (1, 2, 1));
         assert_eq!(table.rows(), 2);
         // Nothing would be left.
         let none = read("x,y,z\nnan,nan,nan\n", 1.0);
-        assert_eq!((none.rows(), none.bad().len()), (1, 3));
+        assert_eq!((none.rows(), none.bad.len()), (1, 3));
     }
 }

@@ -37,7 +37,7 @@ pub(crate) use values::Values;
 
 use crate::{
     data::{
-        bytes::{Bytes, Reading},
+        bytes::{Bytes, Reading, too_large},
         fault::{BadRows, Blamed, Fault, ReadError, Wrong},
         table::{
             check::Check,
@@ -103,20 +103,24 @@ pub(crate) struct Defaults {
 pub(crate) struct Table {
     bytes: Arc<Bytes>,
     layout: Layout,
-    bad: Vec<Bad>,
-    bad_rows: Vec<BadRows>,
+    /// The faults of the numbers in the file; those from the scene for all rows are not checked.
+    pub(crate) bad: Vec<Bad>,
+    /// The rows with a fault that was found before their numbers were checked.
+    pub(crate) bad_rows: Vec<BadRows>,
     extent: Extent,
     values: Values,
-    names: Names,
+    /// The names of the columns.
+    pub(crate) names: Names,
     /// The rows with an empty radius or color, where the defaults are stored.
     empty: Arc<Empty>,
     /// The line of the first row, in a text with one line per row.
     first_line: Option<u64>,
-    format: Format,
+    /// The format that the table was read in.
+    pub(crate) format: Format,
     /// The rows of the file that are not in the table.
-    left_out: Option<Arc<LeftOut>>,
+    pub(crate) left_out: Option<Arc<LeftOut>>,
     /// The warning about a file that goes on behind its last row.
-    behind: Option<Fault>,
+    pub(crate) behind: Option<Fault>,
 }
 
 impl fmt::Debug for Table {
@@ -141,13 +145,14 @@ impl Table {
         if format != Format::Npz {
             request.refuse_array()?;
         }
+        let size = usize::try_from(length).map_err(|_| too_large());
         let table = match format {
-            Format::Csv => csv::read(reader, length, request, pool),
+            Format::Csv => csv::read(reader, size?, request, pool),
             Format::Npy => npy::read(reader, length, request),
-            Format::Npz => npz::read(reader, length, request),
-            Format::Ply => ply::read(reader, length, request),
-            Format::Xyz => atoms::read_xyz(reader, length, request),
-            Format::Pdb => atoms::read_pdb(reader, length, request),
+            Format::Npz => npz::read(reader, size?, request),
+            Format::Ply => ply::read(reader, size?, request),
+            Format::Xyz => atoms::read_xyz(reader, size?, request),
+            Format::Pdb => atoms::read_pdb(reader, size?, request),
         }?;
         let table = table.without_missing(&request.defaults)?;
         Ok(Self { format, ..table })
@@ -185,17 +190,6 @@ impl Table {
         }
     }
 
-    /// Returns the faults of the numbers in the file; those from the scene for all rows are not
-    /// checked.
-    pub(crate) fn bad(&self) -> &[Bad] {
-        &self.bad
-    }
-
-    /// Returns the rows with a fault that was found before their numbers were checked.
-    pub(crate) fn bad_rows(&self) -> &[BadRows] {
-        &self.bad_rows
-    }
-
     /// Returns true if some rows could not be read, so that the table must not be used.
     pub(crate) fn has_unread_rows(&self) -> bool {
         self.bad_rows.iter().any(BadRows::is_error)
@@ -207,24 +201,9 @@ impl Table {
         is_of_value && self.values().is_some_and(|values| values.range().is_none())
     }
 
-    /// Returns the warning about a file that goes on behind its last row.
-    pub(crate) const fn behind(&self) -> Option<&Fault> {
-        self.behind.as_ref()
-    }
-
-    /// Returns the names of the columns.
-    pub(crate) const fn names(&self) -> &Names {
-        &self.names
-    }
-
     /// Returns the values that determine the colors; `None` if the table has no such column.
     pub(crate) fn values(&self) -> Option<&Values> {
         self.layout.columns[VALUE].map(|_| &self.values)
-    }
-
-    /// The format that the table was read in.
-    pub(crate) const fn format(&self) -> Format {
-        self.format
     }
 
     /// The number of rows.

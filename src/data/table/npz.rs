@@ -11,11 +11,12 @@ use crate::{
     data::{
         bytes::{Bytes, read_bytes},
         fault::{Blamed, Fault, ReadError},
+        npy::Header,
         table::{
             Request, Table,
             check::Check,
             layout::{Column, Layout},
-            npy::{self, Array, Cell, Header},
+            npy::{self, Array, Cell},
             row_cells::{MOST_CELLS, RowCells},
             select::{columns, coordinates},
         },
@@ -41,26 +42,30 @@ struct Entry<'a> {
     array: Array,
 }
 
-pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<Table, ReadError> {
-    let file = read_all(reader, length)?;
+pub(super) fn read(
+    reader: impl Read,
+    length: usize,
+    request: &Request,
+) -> Result<Table, ReadError> {
+    let file = read_bytes(reader, length)?;
     let (mut archive, headers) = members_of(&file)?;
     let (mut entries, rows) = entries(&headers, request)?;
     // Arrays of another length are data of another kind, unless they are meant to be read.
     let columns = columns(request.kind());
     let is_meant = |name: &str| columns.contains(&Some(name)) || request.value == Some(name);
     entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
-    let most = LEAST.saturating_add(MOST_RATIO.saturating_mul(length));
+    let most = LEAST.saturating_add(MOST_RATIO.saturating_mul(length as u64));
     load(&mut archive, (rows, most), &entries, request)
 }
 
 /// Reads the cells of a row, with the names of their columns.
 pub(super) fn row_cells(
     reader: impl Read,
-    length: u64,
+    length: usize,
     request: &Request,
     row: usize,
 ) -> Result<RowCells, ReadError> {
-    let file = read_all(reader, length)?;
+    let file = read_bytes(reader, length)?;
     let (mut archive, headers) = members_of(&file)?;
     let (mut entries, rows) = entries(&headers, request)?;
     entries.retain(|entry| entry.array.rows == rows);
@@ -81,11 +86,6 @@ pub(super) fn row_cells(
         cells.extend(array.cells.iter().map(|cell| &*cell.name).zip(texts));
     }
     Ok(RowCells::new(count, cells.into_iter()))
-}
-
-fn read_all(reader: impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
-    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    read_bytes(reader, length)
 }
 
 /// The index of an array in the archive, its name and its header.

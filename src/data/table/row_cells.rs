@@ -4,7 +4,8 @@ use std::io::{Read, Seek};
 
 use crate::{
     data::{
-        fault::{Fault, ReadError},
+        bytes::too_large,
+        fault::ReadError,
         table::{Format, Request, atoms, csv, npy, npz, ply},
     },
     text::sanitize::sanitize,
@@ -44,8 +45,9 @@ impl RowCells {
             return npy::row_cells(reader, length, request, row);
         }
         if format != Format::Csv && length > MOST_BYTES {
-            return Err(Fault::new("the file is too large").into());
+            return Err(too_large().into());
         }
+        let length = usize::try_from(length).map_err(|_| too_large())?;
         let reader = reader.take(MOST_BYTES);
         match format {
             Format::Csv | Format::Npy => csv::row_cells(reader, length, request, row),

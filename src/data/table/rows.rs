@@ -14,6 +14,7 @@ use crate::data::{
 };
 
 /// The rows of a table that is not kept as is, such as a text: f64, row by row.
+#[derive(Default)]
 pub(super) struct Rows {
     bytes: Vec<u8>,
     pub(super) rows: usize,
@@ -34,19 +35,6 @@ pub(super) fn unread(column: usize) -> f64 {
 }
 
 impl Rows {
-    pub(super) const fn new() -> Self {
-        Self {
-            bytes: Vec::new(),
-            rows: 0,
-            empty: Empty {
-                radius: Vec::new(),
-                color: Vec::new(),
-            },
-            bad: Vec::new(),
-            first_line: None,
-        }
-    }
-
     /// Notes a fault in the next row. The first such rows are reported, the others are counted with
     /// the last of these. Returns the substitute for the number.
     pub(super) fn note(

@@ -10,15 +10,16 @@ pub(super) use self::{
     xyz::{read as read_xyz, row_cells as xyz_row_cells},
 };
 
-use std::io::{self, Read};
+use std::io;
 
 use crate::{
     data::{
-        bytes::{BYTE_ORDER_MARK, read_bytes},
-        fault::{At, Fault, ReadError, Wrong},
+        bytes::BYTE_ORDER_MARK,
+        fault::{At, Fault, Wrong},
         table::{
             Defaults, Names, Request, Table,
             atoms::elements::{Element, NEUTRAL},
+            layout::{COLORS, RADIUS, VALUE},
             rows::Rows,
         },
     },
@@ -83,7 +84,7 @@ impl<'a> Atoms<'a> {
             names,
             value,
             needs_elements: !(own.radius || radius.is_some()) || !(own.color || color.is_some()),
-            rows: Rows::new(),
+            rows: Rows::default(),
         }
     }
 
@@ -225,19 +226,11 @@ impl<'a> Atoms<'a> {
 
     fn into_table(self) -> Table {
         let (radius, color) = (self.has_radius(), self.has_color());
-        let has = [
-            true,
-            true,
-            true,
-            false,
-            false,
-            false,
-            radius,
-            color,
-            color,
-            color,
-            self.value.is_some(),
-        ];
+        let mut has = [false; _];
+        has[..3].fill(true);
+        has[RADIUS] = radius;
+        has[COLORS].fill(color);
+        has[VALUE] = self.value.is_some();
         // Atoms have many columns that no scene needs.
         let names = Names {
             all: self.names.into(),
@@ -245,12 +238,6 @@ impl<'a> Atoms<'a> {
         };
         self.rows.into_table(has, names, &self.request.defaults)
     }
-}
-
-/// Reads a file of lines.
-fn text(reader: impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
-    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    read_bytes(reader, length)
 }
 
 /// Returns the lines of a text with their numbers, without their ends and without a byte order mark.

@@ -5,9 +5,10 @@
 
 use std::{io::Read, ops::Range};
 
-use super::{Atoms, Column, Own, lines, names, text};
+use super::{Atoms, Column, Own, lines, names};
 use crate::{
     data::{
+        bytes::read_bytes,
         fault::{At, Fault, LinePart, ReadError, Wrong},
         table::{Request, Table, row_cells::RowCells, rows::Rows},
     },
@@ -48,11 +49,11 @@ enum Record<'a> {
 
 pub(in super::super) fn read(
     reader: impl Read,
-    length: u64,
+    length: usize,
     request: &Request,
 ) -> Result<Table, ReadError> {
     request.refuse_columns("the columns of a PDB file have names")?;
-    let text = text(reader, length)?;
+    let text = read_bytes(reader, length)?;
     let more = MORE.iter().map(|(name, _)| *name);
     let mut atoms = Atoms::new(request, Own::default(), more);
     let mut found = false;
@@ -103,10 +104,10 @@ pub(in super::super) fn read(
 /// Reads the cells of an atom, with the names of their columns.
 pub(in super::super) fn row_cells(
     reader: impl Read,
-    length: u64,
+    length: usize,
     row: usize,
 ) -> Result<RowCells, ReadError> {
-    let text = text(reader, length)?;
+    let text = read_bytes(reader, length)?;
     let mut atoms = lines(&text).filter(|(_, line)| Record::of(line) == Record::Atom);
     let (_, line) = atoms.nth(row).unwrap_or_default();
     let texts = [

@@ -6,10 +6,10 @@
 
 use std::{borrow::Cow, collections::HashSet, io::Read};
 
-use super::{Atoms, COLUMNS, Column, Own, lines, text};
+use super::{Atoms, COLUMNS, Column, Own, lines};
 use crate::{
     data::{
-        bytes::LONGEST_LINE,
+        bytes::{LONGEST_LINE, read_bytes},
         fault::{At, Fault, LinePart, ReadError, Wrong},
         table::{Request, Table, row_cells::RowCells},
     },
@@ -18,11 +18,11 @@ use crate::{
 
 pub(in super::super) fn read(
     reader: impl Read,
-    length: u64,
+    length: usize,
     request: &Request,
 ) -> Result<Table, ReadError> {
     request.refuse_columns("the columns of an XYZ file have names")?;
-    let text = text(reader, length)?;
+    let text = read_bytes(reader, length)?;
     let mut lines = lines(&text);
     let (_, first) = lines.next().unwrap_or_default();
     let first = String::from_utf8_lossy(first);
@@ -115,10 +115,10 @@ pub(in super::super) fn read(
 /// Reads the cells of an atom, with the names of their columns.
 pub(in super::super) fn row_cells(
     reader: impl Read,
-    length: u64,
+    length: usize,
     row: usize,
 ) -> Result<RowCells, ReadError> {
-    let text = text(reader, length)?;
+    let text = read_bytes(reader, length)?;
     let mut lines = lines(&text).skip(1);
     let layout = Layout::of(&mut lines, text.len().min(LONGEST_LINE))?;
     let (_, line) = lines.nth(row).unwrap_or_default();

@@ -334,7 +334,7 @@ mod tests {
                 let names = columns.split(',').map(str::to_owned).collect();
                 let header = Header::new(names, &request).unwrap();
                 let text = format!("{record}{line_end}").repeat(20);
-                let mut rows = Rows::new();
+                let mut rows = Rows::default();
                 let blocks = Blocks::new(text.as_bytes(), text.len(), Vec::new());
                 let rest = read(blocks, 0, &header, &request, &mut rows, &Pool::Calling);
                 assert_eq!((rest.unwrap(), rows.rows), (Vec::new(), 20), "{text:?}");

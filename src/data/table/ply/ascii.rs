@@ -22,7 +22,7 @@ pub(super) fn read(
     defaults: &Defaults,
 ) -> Result<Table, ReadError> {
     let mut lines = Text::of(bytes, header)?;
-    let mut rows = Rows::new();
+    let mut rows = Rows::default();
     'elements: for element in &header.elements {
         // A row of an element without properties is empty.
         if element.properties.is_empty() {

@@ -63,7 +63,7 @@ pub(super) fn read(
             ..Table::new(bytes, check, selection.names.clone())
         });
     }
-    let mut packed = Rows::new();
+    let mut packed = Rows::default();
     let vertex = header.vertex()?;
     let is_read = |index| selection.iter().any(|selected| selected.index == index);
     let wanted: Vec<_> = (0..vertex.properties.len()).map(is_read).collect();

@@ -11,7 +11,7 @@ use std::io::{Cursor, Read};
 use crate::{
     data::{
         bytes::{Reading, read_bytes},
-        fault::{Fault, ReadError},
+        fault::ReadError,
         ply::{
             header::{Element, Encoding, Header, Type, VERTEX},
             selection::Selection,
@@ -26,11 +26,10 @@ const HEAD: usize = if cfg!(test) { 318 } else { 1 << 16 };
 
 pub(super) fn read(
     mut reader: impl Read,
-    length: u64,
+    length: usize,
     request: &Request,
 ) -> Result<Table, ReadError> {
     request.refuse_columns("the header of a PLY file names its properties")?;
-    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let (header, head) = read_header(&mut reader, length)?;
     let selection = Selection::of_spheres(header.vertex()?, request)?;
     let file = Reading::new(head.chain(reader), length)?;
@@ -43,8 +42,11 @@ pub(super) fn read(
 }
 
 /// Reads the cells of a row, with the names of their columns.
-pub(super) fn row_cells(reader: impl Read, length: u64, row: usize) -> Result<RowCells, ReadError> {
-    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
+pub(super) fn row_cells(
+    reader: impl Read,
+    length: usize,
+    row: usize,
+) -> Result<RowCells, ReadError> {
     let bytes = read_bytes(reader, length)?;
     let header = Header::parse(&bytes)?.ok_or_else(Header::endless)?;
     let texts = match header.encoding {

@@ -27,7 +27,7 @@ fn read(text: &str, format: Format, request: &Request) -> (Vec<Sphere>, Vec<Stri
             .map_or(String::new(), |help| format!("; {help}"));
         format!("{code}: {message}{help}")
     };
-    (rows, table.bad_rows().iter().map(message).collect())
+    (rows, table.bad_rows.iter().map(message).collect())
 }
 
 fn radii(text: &str, format: Format) -> (Vec<f64>, Vec<String>) {

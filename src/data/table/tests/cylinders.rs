@@ -113,7 +113,7 @@ fn rows_are_read_from_arrays_and_texts() {
                 (csv(&rows, radius, color), Format::Csv),
             ] {
                 let table = wanted(&bytes, format, &request(!color)).unwrap();
-                assert_eq!(table.bad(), []);
+                assert_eq!(table.bad, []);
                 assert_eq!(rows_of(&table), expected, "{format:?}");
             }
         }

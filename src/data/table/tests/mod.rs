@@ -50,7 +50,7 @@ pub(super) fn wanted(bytes: &[u8], format: Format, request: &Request) -> Result<
         None => fault.message,
     };
     match read {
-        Ok(table) => match table.bad_rows().iter().find(|bad| bad.is_error()) {
+        Ok(table) => match table.bad_rows.iter().find(|bad| bad.is_error()) {
             Some(bad) => Err(described(bad.fault.clone())),
             None => Ok(table),
         },
@@ -145,7 +145,7 @@ pub(super) fn bad_spheres() -> Vec<Sphere> {
 /// there are.
 pub(super) fn totals(table: &Table) -> Vec<(BadKind, usize, usize, usize)> {
     let mut totals: Vec<(BadKind, usize, usize, usize)> = Vec::new();
-    for bad in table.bad() {
+    for bad in &table.bad {
         let mut known = totals.iter_mut();
         match known.find(|(kind, column, ..)| (*kind, *column) == (bad.kind, bad.column)) {
             Some((.., count)) => *count += bad.count,
@@ -270,17 +270,14 @@ fn bad_numbers_are_listed_by_column() {
         found
     };
     let shown = |all: &[Bad]| sorted(all.iter().map(|bad| format!("{bad:?}")).collect());
-    assert_eq!(shown(table.bad()), shown(&expected));
-    assert_eq!(
-        table_of(&[[0.0, 5e-324, 0.0], [-1e300, 1.0, 1.0]]).bad(),
-        []
-    );
+    assert_eq!(shown(&table.bad), shown(&expected));
+    assert_eq!(table_of(&[[0.0, 5e-324, 0.0], [-1e300, 1.0, 1.0]]).bad, []);
 }
 
 #[test]
 fn the_numbers_beyond_the_listed_ones_are_counted() {
     let table = table_of(&vec![[0.0, -1.0, 0.0]; 3000]);
-    let counts: Vec<_> = table.bad().iter().map(|bad| (bad.row, bad.count)).collect();
+    let counts: Vec<_> = table.bad.iter().map(|bad| (bad.row, bad.count)).collect();
     assert_eq!(counts.len(), 100);
     assert_eq!(
         (counts[0], counts[98], counts[99]),
@@ -296,7 +293,7 @@ fn values_for_all_rows_are_not_checked_again() {
         ..Defaults::default()
     };
     let table = table(b"x,y,z\n1,2,3\n", Format::Csv, &defaults).unwrap();
-    assert_eq!(table.bad(), []);
+    assert_eq!(table.bad, []);
     assert!(table.has_radius() && table.has_color());
     assert_eq!(table.layout.columns[RADIUS], Some(Column::Constant(-1.0)));
 }

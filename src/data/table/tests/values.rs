@@ -69,7 +69,7 @@ fn every_format_has_the_same_values() {
         let table = wanted(text.as_bytes(), format, &request("y")).unwrap();
         assert_eq!(values(&table), vec![2.0; MANY], "{format:?}");
         let table = wanted(text.as_bytes(), format, &request("Y")).unwrap();
-        assert!(table.values().is_none() && table.names().all.contains(&"energy".to_owned()));
+        assert!(table.values().is_none() && table.names.all.contains(&"energy".to_owned()));
     }
 }
 
@@ -101,7 +101,7 @@ fn columns_are_named_by_the_scene() {
     ] {
         let table = read(text).unwrap();
         assert_eq!((table.rows(), table.line(1)), (2, Some(2)), "{text:?}");
-        assert!(table.names().unused.is_empty());
+        assert!(table.names.unused.is_empty());
     }
     let message = read("a,3,2,1,0.5\nb,six,5,4,1\n").unwrap_err();
     assert_eq!(message, "row 1 (line 2), column `z`: `six` is not a number");
@@ -116,7 +116,7 @@ fn other_columns_are_unused() {
         };
         wanted(text.as_bytes(), Format::Csv, &request)
             .unwrap()
-            .names()
+            .names
             .unused
             .join(" ")
     };
