@@ -33,7 +33,7 @@ impl<'a> Accelerated<'a> {
             hierarchy: OnceLock::new(),
         };
         let mut materials = world.geometries().iter().flat_map(Geometry::materials);
-        if materials.any(|material| material.lobes().sends_rays()) {
+        if materials.any(|material| world.lobes(material).sends_rays()) {
             accelerated.prepare();
         }
         accelerated
@@ -56,7 +56,7 @@ impl Queries for Accelerated<'_> {
     }
 
     fn prepare(&self) {
-        if self.world.lighting().is_some() && self.world.geometries().len() > FEW {
+        if self.world.geometries().len() > FEW {
             let build = || Hierarchy::new(self.world, self.builder);
             self.hierarchy.get_or_init(build);
         }

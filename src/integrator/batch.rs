@@ -20,7 +20,7 @@ use crate::{
         shape::face::FaceId,
         tone::Tone,
         vector,
-        world::{Lighting, World},
+        world::World,
     },
 };
 
@@ -42,7 +42,6 @@ pub(crate) struct SampleRow<'a> {
 /// Shades a row. In a world without lights, each geometry shows its color.
 pub(crate) struct ShadeRow<'a, Q> {
     pub(crate) world: &'a World,
-    pub(crate) lighting: Option<&'a Lighting>,
     /// The shadows of each light, unless it casts none.
     pub(crate) shadows: &'a [Option<Shadows<'a>>],
     pub(crate) queries: &'a Q,
@@ -265,7 +264,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
         let count = self.row.ids.len();
-        let lights = self.lighting.map_or(&[][..], |lighting| &lighting.lights);
+        let lights = self.world.lights();
         let needs_v = lights.iter().any(|light| light.source() == Source::Viewer);
         let mut last = vec![Last::default(); lights.len()];
         let mut shadows = vec![[Shadow::Lit; LANES]; lights.len()];

@@ -9,20 +9,23 @@ use std::ops::Add;
 
 use glam::DVec3;
 
-use crate::tracer::{
-    color::Color,
-    geometry::Geometry,
-    hit::Hit,
-    light::{Arriving, Light, ShadowRay},
-    material::{
-        glass::{Fresnel, Glass},
-        lobes::{Highlight, Lobes},
+use crate::{
+    integrator::Integrate,
+    tracer::{
+        color::Color,
+        geometry::Geometry,
+        hit::Hit,
+        light::{Arriving, Light, ShadowRay},
+        material::{
+            glass::{Fresnel, Glass},
+            lobes::{Highlight, Lobes},
+        },
+        radiance::Radiance,
+        ray::Ray,
+        shape::face::{Crossing, FaceId},
+        vector::unit,
+        world::{Lighting, World},
     },
-    radiance::Radiance,
-    ray::Ray,
-    shape::face::{Crossing, FaceId},
-    vector::unit,
-    world::{Lighting, World},
 };
 
 /// The smallest part of a pixel's light for which a ray is traced: a tenth of the step between two
@@ -86,34 +89,6 @@ impl Queries for World {
 
     fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
         World::transmission(self, ray, t_max, own)
-    }
-}
-
-impl World {
-    /// Returns the linear light that a ray brings back: from the lights, if the world is lit, else
-    /// that of the color that it sees.
-    ///
-    /// This function defines every lit picture.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use strahl::light::{Headlight, Light};
-    /// use strahl::{Color, Geometry, Lighting, Plane, Radiance, Ray, Vec3, World};
-    ///
-    /// let wall = Plane::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z)?;
-    /// let world = World::new(vec![Geometry::new(wall, Color::WHITE)], Color::BLACK);
-    /// let headlight = Headlight::new(Color::WHITE, 0.5)?;
-    /// let world = world.lit(Lighting::new(vec![Light::from(headlight)]));
-    /// let radiance = world.radiance(&Ray::new(Vec3::ZERO, Vec3::NEG_Z));
-    /// assert_eq!(radiance, Radiance::new(0.5, 0.5, 0.5));
-    /// # Ok::<(), strahl::GeometryError>(())
-    /// ```
-    pub fn radiance(&self, ray: &Ray) -> Radiance {
-        match self.lighting() {
-            Some(lighting) => Direct::new(self, lighting, self).trace(ray).sum(),
-            None => self.color_of(ray).to_linear(),
-        }
     }
 }
 
@@ -272,30 +247,62 @@ impl<'a> Surface<'a> {
     }
 }
 
+impl<Q: Queries> Integrate for Direct<'_, Q> {
+    fn trace(&self, ray: &Ray) -> Shaded {
+        self.follow(Path::new(*ray, None))
+    }
+
+    /// Returns the light that the surface of a geometry sends along a path: the sum of its lobes.
+    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
+        let geometry = &self.world.geometries()[index];
+        let surface = Surface::new(path, index, geometry.hit_at(&path.ray, crossing));
+        self.queries.tell(Step::Surface(&surface));
+        let material = surface.hit.material();
+        let lobes = material.lobes();
+        let Lobes {
+            emission,
+            diffuse,
+            highlight,
+            mirror,
+            interface,
+        } = lobes;
+        let mut shaded = Shaded::default();
+        if let Some(emission) = emission {
+            shaded.direct = emission.radiance();
+        }
+        if lobes.scatters() {
+            shaded.direct = shaded.direct + self.scattered(&surface, diffuse, highlight);
+        }
+        if let Some(color) = mirror {
+            shaded = shaded + self.reflection(&surface, color.to_linear());
+        }
+        if let Some(glass) = interface {
+            shaded = shaded + self.glass(&surface, glass, geometry);
+        }
+        shaded
+    }
+}
+
 impl<'a, Q: Queries> Direct<'a, Q> {
-    pub(crate) fn new(world: &'a World, lighting: &'a Lighting, queries: &'a Q) -> Self {
+    /// Creates the direct lighting of a world, whose background may be transparent.
+    pub(crate) fn new(
+        world: &'a World,
+        lighting: &'a Lighting,
+        queries: &'a Q,
+        is_transparent: bool,
+    ) -> Self {
         Self {
             world,
             lighting,
             queries,
-            background: Shaded::direct(world.background().to_linear()),
-        }
-    }
-
-    /// Makes the background transparent: it sends no light, but is counted in [`Shaded::behind`].
-    pub(crate) fn transparent(self) -> Self {
-        Self {
-            background: Shaded {
-                behind: Radiance::WHITE,
-                ..Shaded::default()
+            background: match is_transparent {
+                true => Shaded {
+                    behind: Radiance::WHITE,
+                    ..Shaded::default()
+                },
+                false => Shaded::direct(world.background().to_linear()),
             },
-            ..self
         }
-    }
-
-    /// Returns the light of a camera's ray.
-    pub(crate) fn trace(&self, ray: &Ray) -> Shaded {
-        self.follow(Path::new(*ray, None))
     }
 
     /// Returns the light that arrives along a path.
@@ -327,36 +334,6 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     #[inline(always)]
     fn term(&self, name: &'static str, symbol: &'static str, value: Value) {
         self.queries.tell(Step::Term(name, symbol, value));
-    }
-
-    /// Returns the light that the surface of a geometry sends along a path: the sum of its lobes.
-    pub(crate) fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
-        let geometry = &self.world.geometries()[index];
-        let surface = Surface::new(path, index, geometry.hit_at(&path.ray, crossing));
-        self.queries.tell(Step::Surface(&surface));
-        let material = surface.hit.material();
-        let lobes = material.lobes();
-        let Lobes {
-            emission,
-            diffuse,
-            highlight,
-            mirror,
-            interface,
-        } = lobes;
-        let mut shaded = Shaded::default();
-        if let Some(emission) = emission {
-            shaded.direct = emission.radiance();
-        }
-        if lobes.scatters() {
-            shaded.direct = shaded.direct + self.scattered(&surface, diffuse, highlight);
-        }
-        if let Some(color) = mirror {
-            shaded = shaded + self.reflection(&surface, color.to_linear());
-        }
-        if let Some(glass) = interface {
-            shaded = shaded + self.glass(&surface, glass, geometry);
-        }
-        shaded
     }
 
     /// Returns the light of all lights that a surface scatters.

@@ -7,7 +7,10 @@ use std::cell::RefCell;
 use glam::DVec3;
 
 use crate::{
-    integrator::direct::{Direct, Queries, Shaded, Step, Surface, Value},
+    integrator::{
+        Integrate, Integrator,
+        direct::{Queries, Shaded, Step, Surface, Value},
+    },
     tracer::{
         color::Color,
         light::{Arriving, Light},
@@ -102,7 +105,7 @@ pub fn explain(world: &World, ray: &Ray) -> Option<TracedRay> {
         world,
         open: RefCell::default(),
     };
-    Direct::new(world, world.lighting()?, &listener).trace(ray);
+    Integrator::new(world, &listener, false).trace(ray);
     listener.open.into_inner().pop()
 }
 

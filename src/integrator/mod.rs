@@ -4,3 +4,82 @@ pub(crate) mod accelerated;
 pub(crate) mod batch;
 pub(crate) mod direct;
 pub(crate) mod explain;
+pub(crate) mod flat;
+
+use crate::{
+    integrator::{
+        direct::{Direct, Path, Queries, Shaded},
+        flat::Flat,
+    },
+    tracer::{radiance::Radiance, ray::Ray, shape::face::Crossing, world::World},
+};
+
+/// What each integrator answers, in its own file.
+pub(crate) trait Integrate {
+    /// Returns the light of a camera's ray.
+    fn trace(&self, ray: &Ray) -> Shaded;
+
+    /// Returns the light that the surface of a geometry sends along a path.
+    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded;
+}
+
+/// The way in which the light of a world is computed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Integrator<'a, Q> {
+    /// Without lights.
+    Flat(Flat<'a>),
+    /// With lights.
+    Direct(Direct<'a, Q>),
+}
+
+impl<'a, Q: Queries> Integrator<'a, Q> {
+    /// Returns the integrator of a world. With a transparent background, the background sends no light,
+    /// but is counted in [`Shaded::behind`].
+    pub(crate) fn new(world: &'a World, queries: &'a Q, is_transparent: bool) -> Self {
+        match world.lighting() {
+            None => Self::Flat(Flat { world }),
+            Some(lighting) => Self::Direct(Direct::new(world, lighting, queries, is_transparent)),
+        }
+    }
+}
+
+impl<Q: Queries> Integrate for Integrator<'_, Q> {
+    fn trace(&self, ray: &Ray) -> Shaded {
+        match self {
+            Self::Flat(flat) => flat.trace(ray),
+            Self::Direct(direct) => direct.trace(ray),
+        }
+    }
+
+    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
+        match self {
+            Self::Flat(flat) => flat.shade(path, index, crossing),
+            Self::Direct(direct) => direct.shade(path, index, crossing),
+        }
+    }
+}
+
+impl World {
+    /// Returns the linear light that a ray brings back: from the lights, if the world is lit, else
+    /// that of the color that it sees.
+    ///
+    /// This function defines every lit picture.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::light::{Headlight, Light};
+    /// use strahl::{Color, Geometry, Lighting, Plane, Radiance, Ray, Vec3, World};
+    ///
+    /// let wall = Plane::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z)?;
+    /// let world = World::new(vec![Geometry::new(wall, Color::WHITE)], Color::BLACK);
+    /// let headlight = Headlight::new(Color::WHITE, 0.5)?;
+    /// let world = world.lit(Lighting::new(vec![Light::from(headlight)]));
+    /// let radiance = world.radiance(&Ray::new(Vec3::ZERO, Vec3::NEG_Z));
+    /// assert_eq!(radiance, Radiance::new(0.5, 0.5, 0.5));
+    /// # Ok::<(), strahl::GeometryError>(())
+    /// ```
+    pub fn radiance(&self, ray: &Ray) -> Radiance {
+        Integrator::new(self, self, false).trace(ray).sum()
+    }
+}

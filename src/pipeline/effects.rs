@@ -100,10 +100,8 @@ impl Scene {
 
     /// Returns true if pixels have colors that are not those of geometries, even with one sample
     /// each.
-    fn mixes_colors(&self) -> bool {
-        self.world.lighting().is_some()
-            || self.world.has_varying_materials()
-            || self.outlines.is_some()
+    pub(super) fn mixes_colors(&self) -> bool {
+        !self.world.is_plain() || self.outlines.is_some()
     }
 
     /// Returns the reason why a PNG file is not indexed although [`Palette::Auto`] is set,

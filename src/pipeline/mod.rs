@@ -22,15 +22,12 @@ use self::{
 };
 use crate::{
     diagnostic::{Diagnostic, error::Error},
-    film::{Outlines, Wanted, samples::Samples, size::Size},
+    film::{Outlines, samples::Samples, size::Size},
     parallel::{
         Cancel,
         timings::{Stage, Timings},
     },
-    render::{
-        explained::{ExplainedPixel, PixelSource},
-        ray_tracer::RayTracer,
-    },
+    render::explained::{ExplainedPixel, PixelSource},
     scene::{
         build::{self, Built},
         document::Document,
@@ -153,9 +150,7 @@ impl Scene {
             samples: self.samples,
             outlines: self.outlines,
             tone: self.world.tone(self.tone),
-            is_shaded: RayTracer::with_size(&camera, &self.world, size)
-                .outlines(self.outlines)
-                .is_shaded(Wanted::Light),
+            is_shaded: self.mixes_colors(),
         };
         let is_one_color = !view.is_shaded && self.samples == Samples::ONE;
         if is_one_color {

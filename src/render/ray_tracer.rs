@@ -110,11 +110,7 @@ impl<'a> RayTracer<'a> {
     pub(crate) fn is_shaded(&self, wanted: Wanted) -> bool {
         match wanted {
             Wanted::Hits => false,
-            Wanted::Bytes(_) | Wanted::Light => {
-                let is_flat =
-                    self.world.lighting().is_none() && !self.world.has_varying_materials();
-                !is_flat || self.outlines.is_some()
-            }
+            Wanted::Bytes(_) | Wanted::Light => !self.world.is_plain() || self.outlines.is_some(),
             Wanted::Parts => true,
         }
     }

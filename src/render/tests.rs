@@ -9,7 +9,7 @@ use crate::{
     film::{
         Centers, LitPixel, Outlines, Samples, Wanted, crop::Crop, resolve::Resolver, size::Size,
     },
-    integrator::direct::{Direct, Shaded},
+    integrator::{Integrate, Integrator, direct::Shaded},
     parallel::{
         Cancel, Pool,
         timings::{Stage, Timings},
@@ -331,16 +331,10 @@ impl Case {
                     hits += 1.0;
                     sum.albedo = sum.albedo + hit.color().to_linear();
                 }
-                let light = match (self.is_outlined(column, row), self.world.lighting()) {
-                    (true, _) => Shaded::direct(self.outlines.unwrap().color.to_linear()),
-                    (false, None) => Shaded::direct(self.world.color_of(&ray).to_linear()),
-                    (false, Some(lighting)) => {
-                        let direct = Direct::new(&self.world, lighting, &self.world);
-                        match self.is_transparent {
-                            true => direct.transparent().trace(&ray),
-                            false => direct.trace(&ray),
-                        }
-                    }
+                let integrator = Integrator::new(&self.world, &self.world, self.is_transparent);
+                let light = match self.is_outlined(column, row) {
+                    true => Shaded::direct(self.outlines.unwrap().color.to_linear()),
+                    false => integrator.trace(&ray),
                 };
                 behind += light.behind.mean();
                 sum.direct = sum.direct + light.direct;

@@ -9,6 +9,7 @@ use crate::tracer::{
     geometry::Geometry,
     hit::Hit,
     light::Light,
+    material::{Material, lobes::Lobes},
     radiance::Radiance,
     ray::Ray,
     shape::{
@@ -233,6 +234,19 @@ impl World {
         self.lighting.as_ref()
     }
 
+    /// The lights; none if the world is flat.
+    pub(crate) fn lights(&self) -> &[Light] {
+        self.lighting().map_or(&[], |lighting| &lighting.lights)
+    }
+
+    /// Returns what a surface does with light: in a flat world, it shows its first color.
+    pub(crate) fn lobes<'m>(&self, material: &'m Material) -> Lobes<'m> {
+        match self.lighting {
+            Some(_) => material.lobes(),
+            None => Lobes::shown(material.color()),
+        }
+    }
+
     /// Returns the tone of a picture: the requested one if the world is lit.
     pub(crate) fn tone(&self, requested: Tone) -> Tone {
         match self.lighting {
@@ -241,8 +255,12 @@ impl World {
         }
     }
 
-    /// Returns true if the material of some geometry depends on the point, so that even a flat
-    /// picture is shaded sample by sample.
+    /// Returns true if all that a ray sees are the colors of geometries, each of which has one.
+    pub(crate) const fn is_plain(&self) -> bool {
+        self.lighting.is_none() && !self.has_varying_materials()
+    }
+
+    /// Returns true if the material of some geometry depends on the point.
     pub(crate) const fn has_varying_materials(&self) -> bool {
         self.varying > 0
     }

@@ -11,10 +11,7 @@ use crate::{
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
     tracer::{
-        material::{Material, lobes::Lobes},
-        radiance::Radiance,
-        ray::Bundle,
-        shape::face::Crossing,
+        material::lobes::Lobes, radiance::Radiance, ray::Bundle, shape::face::Crossing,
         world::World,
     },
 };
@@ -84,7 +81,7 @@ impl Known {
         let shape = geometry.shape();
         let (color, kind) = match geometry.only_material() {
             None => (Radiance::BLACK, SurfaceKind::Scattering),
-            Some(material) => Self::shown(material, world.lighting().is_some()),
+            Some(material) => Self::shown(world.lobes(material)),
         };
         let is_in_place = shape.is_flat() && shape.transform().is_none();
         let flat = shape.plane(0).filter(|_| is_in_place);
@@ -104,11 +101,7 @@ impl Known {
     }
 
     /// Returns the color and the kind of a surface that has one material.
-    fn shown(material: &Material, is_lit: bool) -> (Radiance, SurfaceKind) {
-        if !is_lit {
-            return (material.color().to_linear(), SurfaceKind::Constant);
-        }
-        let lobes = material.lobes();
+    fn shown(lobes: Lobes) -> (Radiance, SurfaceKind) {
         let (emission, diffuse) = (lobes.emission, lobes.diffuse);
         let has_no_more = lobes
             == Lobes {

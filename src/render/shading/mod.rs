@@ -68,11 +68,9 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         if let Some(outlines) = &self.outlines {
             OutlineMask::check(outlines, self.samples)?;
         }
-        let lighting = self.world.lighting();
-        let lights = lighting.map_or(&[][..], |lighting| &lighting.lights);
         let shadows: Vec<_> = work.watch.time(|| {
             let of = |toward| Shadows::new(self.world, toward, work.pool, self.isa);
-            let lights = lights.iter();
+            let lights = self.world.lights().iter();
             lights.map(|light| Toward::of(light).map(of)).collect()
         });
         let state = State {

@@ -10,14 +10,15 @@ use crate::{
     accel::raster::first_hits::Work,
     film::{Centers, Lit, LitPixel, Piece, Wanted, colors::NOTHING, samples::Samples},
     integrator::{
+        Integrate, Integrator,
         batch::{Encode, SampleRow, ShadeRow},
-        direct::{Direct, Path, Queries, Shaded},
+        direct::{Path, Queries, Shaded},
     },
     render::{
         hits::{Hits, Rays},
         outlines::OutlineMask,
     },
-    tracer::{color::Color, radiance::Radiance, ray::Ray, tone::Tone},
+    tracer::{radiance::Radiance, tone::Tone},
 };
 
 /// The rows of a picture whose hits are known.
@@ -187,20 +188,16 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let line = (row - self.hits.rows.start) as usize;
         let left = self.columns.start as usize * side - self.hits.columns.start as usize;
         let mut samples = samples.enumerate().map(|(column, place)| {
-            let color = self.color(place, || self.rays.ray(left + column, line));
-            color.map_or(Radiance::BLACK, Color::to_linear)
+            let geometry = self.shading.world.with_id(self.hits.ids[place] as usize);
+            geometry.map_or(Radiance::BLACK, |geometry| {
+                let ray = || self.rays.ray(left + column, line);
+                geometry.color_at(ray, self.hits.t[place]).to_linear()
+            })
         });
         for sum in sums {
             let samples = samples.by_ref().take(side);
             *sum = samples.fold(*sum, |sum, albedo| sum + albedo);
         }
-    }
-
-    /// Returns the first color that a sample sees at a place, if it hits anything.
-    fn color(&self, place: usize, ray: impl FnOnce() -> Ray) -> Option<Color> {
-        let (id, t) = (self.hits.ids[place], self.hits.t[place]);
-        let geometry = self.shading.world.with_id(id as usize)?;
-        Some(geometry.color_at(ray, t))
     }
 
     /// Adds a row of samples, which hit these geometries, to the sums of its pixels.
@@ -253,7 +250,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             ..
         } = scratch;
         let shading = self.shading;
-        let (world, lighting) = (shading.world, shading.world.lighting());
+        let world = shading.world;
         let side = shading.samples.side();
         let columns = self.columns.start * side..self.columns.end * side;
         let first = self.hits.place(columns.start, row);
@@ -264,7 +261,6 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let [r, g, b] = &mut samples.direct;
         shading.isa.run(ShadeRow {
             world,
-            lighting,
             shadows: self.state.shadows,
             queries: shading.queries,
             row: row_of(self.hits, self.rays, line, left..left + columns.len()),
@@ -272,24 +268,13 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             light: [r, g, b],
             others,
         });
-        if let Some(lighting) = lighting {
-            let mut direct = Direct::new(world, lighting, shading.queries);
-            if self.work.resolver.is_transparent {
-                direct = direct.transparent();
-            }
-            for (place, shadows) in others.each() {
-                let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
-                let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
-                let index = world.index_of(id as usize);
-                let crossing = world.geometries()[index].crossing_at(&path.ray, t);
-                samples.set(place, direct.shade(path, index, crossing));
-            }
-        } else {
-            for (place, _) in others.each() {
-                let color = self.color(first + place, || self.rays.ray(left + place, line));
-                let color = color.unwrap_or(world.background());
-                samples.set(place, Shaded::direct(color.to_linear()));
-            }
+        let integrator = Integrator::new(world, shading.queries, self.work.resolver.is_transparent);
+        for (place, shadows) in others.each() {
+            let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
+            let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
+            let index = world.index_of(id as usize);
+            let crossing = world.geometries()[index].crossing_at(&path.ray, t);
+            samples.set(place, integrator.shade(path, index, crossing));
         }
         if let Some(mask) = &self.mask {
             for (place, column) in columns.enumerate() {

@@ -40,6 +40,14 @@ impl Lobes<'_> {
         interface: None,
     };
 
+    /// Creates the lobe of a surface that shows a color in any light.
+    pub(crate) const fn shown(color: Color) -> Self {
+        Self {
+            emission: Some(Emissive::one(color)),
+            ..Self::NONE
+        }
+    }
+
     /// Returns true if the surface sends rays on.
     pub(crate) const fn sends_rays(&self) -> bool {
         self.mirror.is_some() || self.interface.is_some()
