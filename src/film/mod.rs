@@ -3,6 +3,7 @@
 pub(crate) mod colors;
 pub(crate) mod crop;
 pub(crate) mod outlines;
+pub(crate) mod parts;
 pub(crate) mod resolve;
 pub(crate) mod samples;
 pub(crate) mod size;
@@ -19,6 +20,7 @@ pub use size::SizeError;
 
 use crate::film::{
     colors::{ColorTable, NOTHING},
+    parts::LightParts,
     resolve::Resolved,
     size::Size,
 };
@@ -53,11 +55,9 @@ pub(crate) enum Wanted {
 /// The light of a pixel of a lit picture, before exposure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LitPixel {
-    /// What surfaces send themselves, or the background. The mean of all samples; if the background
-    /// is transparent, that of the samples that hit something, without its light.
-    pub(crate) direct: Radiance,
-    /// What mirrors and glass show, likewise.
-    pub(crate) specular: Radiance,
+    /// The mean of all samples; if the background is transparent, that of the samples that hit
+    /// something, without its light.
+    pub(crate) parts: LightParts,
     /// The mean of the linear first colors of all samples, black where nothing is hit.
     pub(crate) albedo: Radiance,
     /// The fraction of the samples that hit something.

@@ -10,6 +10,7 @@ use std::ops::Add;
 use glam::DVec3;
 
 use crate::{
+    film::parts::LightParts,
     integrator::Integrate,
     tracer::{
         color::Color,
@@ -95,35 +96,27 @@ impl Queries for World {
 /// The light of a ray, by what the first surface does with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Shaded {
-    /// What the surface itself sends: light that it scatters, highlights, its own light; or the
-    /// background.
-    pub(crate) direct: Radiance,
-    /// What the surface reflects and lets through.
-    pub(crate) specular: Radiance,
+    pub(crate) parts: LightParts,
     /// The part of the light of a transparent background that comes along the ray.
     pub(crate) behind: Radiance,
 }
 
 impl Shaded {
     pub(crate) fn direct(direct: Radiance) -> Self {
+        let others = LightParts::default();
         Self {
-            direct,
-            ..Self::default()
+            parts: LightParts { direct, ..others },
+            behind: Radiance::BLACK,
         }
     }
 
     /// Returns the light that a surface reflects or lets through of this.
     fn sent_on(self, factor: Radiance) -> Self {
+        let (specular, others) = (factor * self.parts.sum(), LightParts::default());
         Self {
-            direct: Radiance::BLACK,
-            specular: factor * self.sum(),
+            parts: LightParts { specular, ..others },
             behind: factor * self.behind,
         }
-    }
-
-    /// Returns all light.
-    pub(crate) fn sum(self) -> Radiance {
-        self.direct + self.specular
     }
 }
 
@@ -132,8 +125,7 @@ impl Add for Shaded {
 
     fn add(self, other: Self) -> Self {
         Self {
-            direct: self.direct + other.direct,
-            specular: self.specular + other.specular,
+            parts: self.parts + other.parts,
             behind: self.behind + other.behind,
         }
     }
@@ -268,10 +260,11 @@ impl<Q: Queries> Integrate for Direct<'_, Q> {
         } = lobes;
         let mut shaded = Shaded::default();
         if let Some(emission) = emission {
-            shaded.direct = emission.radiance();
+            shaded.parts.direct = emission.radiance();
         }
         if lobes.scatters() {
-            shaded.direct = shaded.direct + self.scattered(&surface, diffuse, highlight);
+            let scattered = self.scattered(&surface, diffuse, highlight);
+            shaded.parts.direct = shaded.parts.direct + scattered;
         }
         if let Some(color) = mirror {
             shaded = shaded + self.reflection(&surface, color.to_linear());

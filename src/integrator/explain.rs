@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use glam::DVec3;
 
 use crate::{
+    film::parts::LightParts,
     integrator::{
         Integrate, Integrator,
         direct::{Queries, Shaded, Step, Surface, Value},
@@ -38,10 +39,8 @@ pub struct TracedRay {
     pub factor: Radiance,
     /// What it meets.
     pub end: RayEnd,
-    /// The light that a surface or the background sends by itself.
-    pub direct: Radiance,
-    /// The light that a surface reflects and lets through.
-    pub specular: Radiance,
+    /// Its light.
+    pub parts: LightParts,
 }
 
 /// The end of a ray.
@@ -145,8 +144,7 @@ impl Queries for Listener<'_> {
                 depth: path.depth,
                 factor: path.factor,
                 end: RayEnd::Background,
-                direct: Radiance::BLACK,
-                specular: Radiance::BLACK,
+                parts: LightParts::default(),
             }),
             Step::Faint => self.end(RayEnd::Faint),
             Step::TooDeep => self.end(RayEnd::TooDeep),
@@ -187,7 +185,7 @@ impl Listener<'_> {
         let Some(mut ray) = open.pop() else {
             return;
         };
-        (ray.direct, ray.specular) = (light.direct, light.specular);
+        ray.parts = light.parts;
         match open.last_mut().map(|ray| &mut ray.end) {
             Some(RayEnd::Surface(surface)) => surface.onward.push(ray),
             _ => open.push(ray),
@@ -344,7 +342,7 @@ mod tests {
     /// Computes the light of a ray again, from the printed terms alone.
     fn again(ray: &TracedRay) -> Radiance {
         let RayEnd::Surface(surface) = &ray.end else {
-            return ray.direct;
+            return ray.parts.direct;
         };
         let light = |name| vector(&surface.terms, name);
         let onward: Vec<_> = surface.onward.iter().map(again).collect();
@@ -378,7 +376,7 @@ mod tests {
             let world = world(max_depth);
             for ray in rays() {
                 let steps = explain(&world, &ray).unwrap();
-                assert_eq!(steps.direct + steps.specular, world.radiance(&ray));
+                assert_eq!(steps.parts.sum(), world.radiance(&ray));
                 assert_eq!(again(&steps), world.radiance(&ray), "{steps:#?}");
             }
         }

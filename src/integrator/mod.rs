@@ -80,6 +80,6 @@ impl World {
     /// # Ok::<(), strahl::GeometryError>(())
     /// ```
     pub fn radiance(&self, ray: &Ray) -> Radiance {
-        Integrator::new(self, self, false).trace(ray).sum()
+        Integrator::new(self, self, false).trace(ray).parts.sum()
     }
 }

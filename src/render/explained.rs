@@ -1,25 +1,26 @@
 //! The samples of a pixel, one by one, for readers who want to check them by hand.
 
-use std::ops::Range;
+use std::ops::{Add, Range};
 
 use crate::{
     diagnostic::error::Error,
     film::{
         Outlines,
         colors::NOTHING,
+        parts::LightParts,
         resolve::{PixelColor, Resolver},
         samples::Samples,
         size::Size,
     },
-    integrator::explain::{TracedRay, explain},
+    integrator::{
+        direct::Shaded,
+        explain::{TracedRay, explain},
+    },
     render::{
         hits::{Hits, Rays},
         outlines::OutlineMask,
     },
-    tracer::{
-        camera::Camera, color::Color, hit::Hit, radiance::Radiance, ray::Ray, tone::Tone,
-        world::World,
-    },
+    tracer::{camera::Camera, color::Color, hit::Hit, ray::Ray, tone::Tone, world::World},
 };
 
 /// What a pixel is computed from.
@@ -40,10 +41,8 @@ pub(crate) struct PixelSource<'a> {
 pub struct ExplainedPixel {
     /// The samples, from the top left.
     pub samples: Vec<ExplainedSample>,
-    /// The mean of what surfaces and background send by themselves.
-    pub direct: Radiance,
-    /// The mean of what surfaces reflect and let through.
-    pub specular: Radiance,
+    /// The mean of their light.
+    pub parts: LightParts,
     /// From light to display values; `None` in a flat picture, which has no exposure and no tone
     /// mapping.
     pub tone: Option<Tone>,
@@ -63,10 +62,8 @@ pub struct ExplainedSample {
     /// The neighbor that outlines the sample: its distance in samples, to the right and upwards, and
     /// the geometry that it sees.
     pub outlined_by: Option<([i64; 2], Option<usize>)>,
-    /// What the surface or the background sends by itself; the color of the line if it is outlined.
-    pub direct: Radiance,
-    /// What the surface reflects and lets through.
-    pub specular: Radiance,
+    /// Its light; the color of the line, as direct light, if it is outlined.
+    pub parts: LightParts,
 }
 
 impl PixelSource<'_> {
@@ -113,11 +110,9 @@ impl PixelSource<'_> {
             .map(|place| self.sample(&hits, &rays, mask.as_ref(), place))
             .collect();
         let from_bottom = || samples.chunks(side as usize).rev().flatten();
-        let mean = |part: fn(&ExplainedSample) -> Radiance| {
-            let sum = from_bottom().map(part);
-            sum.fold(Radiance::BLACK, |sum, light| sum + light) / f64::from(self.samples.count())
-        };
-        let (direct, specular) = (mean(|sample| sample.direct), mean(|sample| sample.specular));
+        let sum = from_bottom().map(|sample| sample.parts);
+        let sum = sum.fold(LightParts::default(), LightParts::add);
+        let parts = sum.map(|sum| sum / f64::from(self.samples.count()));
         let seen = from_bottom().map(|sample| sample.hit.map_or(NOTHING, |id| id as u32));
         let resolved = || {
             let seen: Vec<_> = seen.collect();
@@ -126,10 +121,9 @@ impl PixelSource<'_> {
         };
         let resolved = (!self.is_shaded).then(resolved).flatten();
         Ok(ExplainedPixel {
-            color: resolved.map_or(self.tone.color(direct + specular), PixelColor::color),
+            color: resolved.map_or(self.tone.color(parts.sum()), PixelColor::color),
             tone: self.world.lighting().map(|_| self.tone),
-            direct,
-            specular,
+            parts,
             samples,
         })
     }
@@ -153,18 +147,17 @@ impl PixelSource<'_> {
             Some((mask.color(), ([x, -y], index(id))))
         });
         let flat = || self.world.color_of(&ray).to_linear();
-        let (direct, specular) = match (&outlined_by, &steps) {
-            (Some((color, _)), _) => (*color, Radiance::BLACK),
-            (None, Some(steps)) => (steps.direct, steps.specular),
-            (None, None) => (flat(), Radiance::BLACK),
+        let parts = match (&outlined_by, &steps) {
+            (Some((color, _)), _) => Shaded::direct(*color).parts,
+            (None, Some(steps)) => steps.parts,
+            (None, None) => Shaded::direct(flat()).parts,
         };
         ExplainedSample {
             ray,
             hit,
             steps,
             outlined_by: outlined_by.map(|(_, by)| by),
-            direct,
-            specular,
+            parts,
         }
     }
 }

@@ -23,6 +23,7 @@ pub use visibility::Seen;
 pub use self::explained::{ExplainedPixel, ExplainedSample};
 #[doc(hidden)]
 pub use crate::{
+    film::parts::LightParts,
     integrator::explain::{RayEnd, Shading, ShiningLight, TracedRay, explain},
     simd::Isa,
     tracer::shape::working::{Term, Working},

@@ -337,15 +337,13 @@ impl Case {
                     false => integrator.trace(&ray),
                 };
                 behind += light.behind.mean();
-                sum.direct = sum.direct + light.direct;
-                sum.specular = sum.specular + light.specular;
+                sum.parts = sum.parts + light.parts;
             }
         }
         let count = f64::from(side * side);
         let mean = |sum: Radiance| if shown > 0.0 { sum / shown } else { sum };
         LitPixel {
-            direct: mean(sum.direct),
-            specular: mean(sum.specular),
+            parts: sum.parts.map(mean),
             albedo: sum.albedo / count,
             coverage: hits / count,
             behind: match behind {
@@ -359,8 +357,8 @@ impl Case {
 /// Compares two pixels bit by bit.
 fn same(one: &LitPixel, other: &LitPixel) -> bool {
     let bits = |pixel: &LitPixel| {
-        let lights = [pixel.direct, pixel.specular, pixel.albedo];
-        let channels = lights.into_iter().flat_map(|light| light.channels);
+        let lights = pixel.parts.all().into_iter().chain([pixel.albedo]);
+        let channels = lights.flat_map(|light| light.channels);
         let numbers = channels.chain([pixel.coverage, pixel.behind]);
         let bits = numbers.map(f64::to_bits);
         bits.collect::<Vec<_>>()
@@ -393,7 +391,7 @@ fn shaded_pictures_are_those_of_the_plain_definition() {
                 same(found, &plain),
                 "seed {seed}, {isa}, pixel {column},{row}: {found:?} is not {plain:?}"
             );
-            lit += u32::from(plain.direct != Radiance::BLACK);
+            lit += u32::from(plain.parts.direct != Radiance::BLACK);
             clear += u32::from(plain.behind > 0.0);
         }
         assert!(drawn.next().is_none());
@@ -429,7 +427,7 @@ fn a_transparent_picture_in_front_of_its_background_is_the_opaque_one() {
             case.drawn(crop, Isa::best(), &pool)
         });
         for (opaque, pixel) in opaque.iter().zip(&transparent) {
-            let light = |pixel: &LitPixel| (pixel.direct + pixel.specular).mean();
+            let light = |pixel: &LitPixel| pixel.parts.sum().mean();
             let front = light(pixel) * pixel.coverage;
             let all = front + (1.0 - pixel.alpha()) * background;
             assert!(

@@ -6,8 +6,8 @@ use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
     Color, Radiance, Ray, Scene,
     render::{
-        ExplainedPixel, ExplainedSample, RayEnd, Shading, ShiningLight, Term, Tone, ToneMapping,
-        TracedRay,
+        ExplainedPixel, ExplainedSample, LightParts, RayEnd, Shading, ShiningLight, Term, Tone,
+        ToneMapping, TracedRay,
     },
 };
 
@@ -17,9 +17,9 @@ use super::{OriginTerms, shown, vector};
 #[derive(Serialize)]
 pub(super) struct LightTerms<'a> {
     samples: Vec<SampleTerms<'a>>,
-    /// The means of the samples.
-    direct: [f64; 3],
-    specular: [f64; 3],
+    /// The mean of the samples.
+    #[serde(flatten)]
+    parts: PartTerms,
     light: [f64; 3],
     /// `None` in a flat picture.
     #[serde(flatten)]
@@ -43,8 +43,8 @@ struct SampleTerms<'a> {
     direction: [f64; 3],
     hit: Option<OriginTerms<'a>>,
     inked_by: Option<NeighborTerms<'a>>,
-    direct: [f64; 3],
-    specular: [f64; 3],
+    #[serde(flatten)]
+    parts: PartTerms,
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<RaySteps<'a>>,
 }
@@ -68,8 +68,8 @@ struct RaySteps<'a> {
     end: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     surface: Option<SurfaceSteps<'a>>,
-    direct: [f64; 3],
-    specular: [f64; 3],
+    #[serde(flatten)]
+    parts: PartTerms,
 }
 
 #[derive(Serialize)]
@@ -103,6 +103,30 @@ struct Crossing<'a> {
     factor: [f64; 3],
 }
 
+/// The parts of light, in data by name.
+struct PartTerms(LightParts);
+
+impl PartTerms {
+    fn named(&self) -> impl Iterator<Item = (&'static str, [f64; 3])> {
+        LightParts::NAMES.into_iter().zip(self.0.all().map(rgb))
+    }
+}
+
+impl Serialize for PartTerms {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.named())
+    }
+}
+
+impl fmt::Display for PartTerms {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parts = self
+            .named()
+            .map(|(name, light)| format!("{name} {}", vector(light)));
+        out.write_str(&parts.collect::<Vec<_>>().join(" + "))
+    }
+}
+
 /// Terms, in data by name.
 struct Terms(Vec<Term>);
 
@@ -125,14 +149,13 @@ fn rgb(light: Radiance) -> [f64; 3] {
 
 impl<'a> LightTerms<'a> {
     pub(super) fn new(scene: &'a Scene, pixel: ExplainedPixel) -> Self {
-        let light = pixel.direct + pixel.specular;
+        let light = pixel.parts.sum();
         let samples = pixel.samples.into_iter();
         Self {
             samples: samples
                 .map(|sample| SampleTerms::new(scene, sample))
                 .collect(),
-            direct: rgb(pixel.direct),
-            specular: rgb(pixel.specular),
+            parts: PartTerms(pixel.parts),
             light: rgb(light),
             tone: pixel.tone.map(|tone| ToneTerms::new(tone, light)),
             color: pixel.color,
@@ -173,8 +196,7 @@ impl<'a> SampleTerms<'a> {
             direction: sample.ray.direction().into(),
             hit: sample.hit.map(origin),
             inked_by,
-            direct: rgb(sample.direct),
-            specular: rgb(sample.specular),
+            parts: PartTerms(sample.parts),
             steps: sample.steps.map(|ray| RaySteps::new(scene, ray)),
         }
     }
@@ -197,8 +219,7 @@ impl<'a> RaySteps<'a> {
             factor: rgb(traced.factor),
             end,
             surface,
-            direct: rgb(traced.direct),
-            specular: rgb(traced.specular),
+            parts: PartTerms(traced.parts),
         }
     }
 }
@@ -247,7 +268,6 @@ impl fmt::Display for LightTerms<'_> {
         if count > 1 {
             writeln!(out, "\nsamples, from the top left")?;
             for (number, sample) in self.samples.iter().enumerate() {
-                let [direct, specular] = [sample.direct, sample.specular].map(vector);
                 let seen = sample.hit.as_ref();
                 let seen = seen.map_or_else(|| "background".to_owned(), ToString::to_string);
                 let ink = if sample.inked_by.is_some() {
@@ -255,10 +275,7 @@ impl fmt::Display for LightTerms<'_> {
                 } else {
                     ""
                 };
-                writeln!(
-                    out,
-                    "  {number} sees {seen}{ink}: direct {direct} + specular {specular}"
-                )?;
+                writeln!(out, "  {number} sees {seen}{ink}: {}", sample.parts)?;
             }
         }
         // The one in the middle; data holds them all.
@@ -270,13 +287,11 @@ impl fmt::Display for LightTerms<'_> {
             sample.fmt(out)?;
         }
         writeln!(out, "\nlight of the pixel, the mean of {count}")?;
-        writeln!(out, "  direct       {}", vector(self.direct))?;
-        writeln!(out, "  specular     {}", vector(self.specular))?;
-        writeln!(
-            out,
-            "  L            {}, direct + specular",
-            vector(self.light)
-        )?;
+        for (name, light) in self.parts.named() {
+            writeln!(out, "  {name:<12} {}", vector(light))?;
+        }
+        let (light, sum) = (vector(self.light), LightParts::NAMES.join(" + "));
+        writeln!(out, "  L            {light}, {sum}")?;
         self.tone.as_ref().map_or(Ok(()), |tone| tone.fmt(out))
     }
 }
@@ -305,7 +320,11 @@ impl fmt::Display for SampleTerms<'_> {
                 "  inked by the sample {} to the right and {} up, which sees {seen}",
                 by.right, by.up
             )?;
-            writeln!(out, "  its light is the outlines' {}", vector(self.direct))?;
+            writeln!(
+                out,
+                "  its light is the outlines' {}",
+                vector(rgb(self.parts.0.sum()))
+            )?;
         }
         Ok(())
     }
@@ -333,8 +352,7 @@ impl RaySteps<'_> {
                 }
             )?,
         }
-        let [direct, specular] = [self.direct, self.specular].map(vector);
-        writeln!(out, "{pad}  brings direct {direct} + specular {specular}")
+        writeln!(out, "{pad}  brings {}", self.parts)
     }
 }
 

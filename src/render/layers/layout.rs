@@ -212,18 +212,17 @@ fn sample(
     let default = match (layer, format.content()) {
         (Layer::Id, _) => return id_sample(format, world.ids()),
         (Layer::Position, _) => return Ok(exact),
-        (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, Content::Floats) => {
-            Sample::F32
-        }
-        (Layer::Direct | Layer::Specular | Layer::Albedo, Content::Array | Content::Arrays) => {
-            exact
-        }
-        // The light of a lit picture has no largest value.
-        (Layer::Color, Content::Array | Content::Arrays) if world.lighting().is_some() => {
-            Sample::F32
-        }
-        (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, _)
-        | (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,
+        (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,
+        (layer, content) if layer.light().is_some() => match content {
+            Content::Floats => Sample::F32,
+            // The light of a lit picture has no largest value.
+            Content::Array | Content::Arrays if layer == Layer::Color => match world.lighting() {
+                Some(_) => Sample::F32,
+                None => Sample::U8,
+            },
+            Content::Array | Content::Arrays => exact,
+            Content::Integers | Content::Either | Content::Channels => Sample::U8,
+        },
         (_, Content::Integers) => Sample::U16,
         _ => exact,
     };
@@ -280,15 +279,19 @@ fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantit
         }
         Layer::Position => three(Quantity::Position),
         Layer::Normal => three(Quantity::Normal),
-        Layer::Direct => light(Light::Direct),
-        Layer::Specular => light(Light::Specular),
-        Layer::Albedo => light(Light::Albedo),
+        Layer::Direct | Layer::Specular | Layer::Albedo => {
+            layer.light().map(light).unwrap_or_default()
+        }
         Layer::Coverage => vec![Quantity::Coverage],
         Layer::Depth => vec![Quantity::Depth],
         Layer::Z => vec![Quantity::Z],
         Layer::Id => vec![Quantity::Id],
     }
 }
+
+/// The channels of a color, and of a vector.
+const RGB: &[&str] = &["R", "G", "B"];
+const XYZ: &[&str] = &["X", "Y", "Z"];
 
 /// Returns all layers as channels, with the usual names for them.
 fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Number>>), Error> {
@@ -319,20 +322,19 @@ fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Numb
         add("A", Quantity::Coverage, colors);
     }
     for layer in layers {
-        let (names, sample): (&[&str], _) = match layer {
-            Layer::Color => (&["R", "G", "B"], colors),
+        let own = format!("{layer}.");
+        let (group, names, sample): (_, &[&str], _) = match layer {
+            Layer::Color => ("", RGB, colors),
             Layer::Coverage => continue,
-            Layer::Depth => (&["Z"], Sample::F32),
-            Layer::Z => (&["planar.Z"], Sample::F32),
-            Layer::Position => (&["P.X", "P.Y", "P.Z"], Sample::F32),
-            Layer::Normal => (&["N.X", "N.Y", "N.Z"], Sample::F32),
-            Layer::Id => (&["id"], Sample::U32),
-            Layer::Albedo => (&["albedo.R", "albedo.G", "albedo.B"], colors),
-            Layer::Direct => (&["direct.R", "direct.G", "direct.B"], colors),
-            Layer::Specular => (&["specular.R", "specular.G", "specular.B"], colors),
+            Layer::Depth => ("", &["Z"], Sample::F32),
+            Layer::Z => ("planar.", &["Z"], Sample::F32),
+            Layer::Position => ("P.", XYZ, Sample::F32),
+            Layer::Normal => ("N.", XYZ, Sample::F32),
+            Layer::Id => ("", &["id"], Sample::U32),
+            Layer::Albedo | Layer::Direct | Layer::Specular => (&*own, RGB, colors),
         };
         for (name, quantity) in names.iter().zip(quantities(*layer, sample, false)) {
-            add(name, quantity, sample);
+            add(&format!("{group}{name}"), quantity, sample);
         }
         if *layer == Layer::Id {
             let mattes = cryptomatte::channels(MATTE, MATTES / 2);

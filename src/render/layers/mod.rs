@@ -4,7 +4,7 @@ pub(crate) mod layout;
 mod number;
 pub(crate) mod rows;
 
-use crate::diagnostic::named::named;
+use crate::{diagnostic::named::named, film::parts::LightParts, render::layers::number::Light};
 
 named! {
     /// A quantity that a picture shows for each pixel.
@@ -39,5 +39,21 @@ named! {
         /// The linear light that mirrors and glass show: color is direct + specular. In a flat
         /// picture there is none.
         Specular = "specular",
+    }
+}
+
+impl Layer {
+    /// Returns the light that the layer shows, if it shows any.
+    fn light(self) -> Option<Light> {
+        match self {
+            Self::Color => Some(Light::All),
+            Self::Albedo => Some(Light::Albedo),
+            part => {
+                let part = LightParts::NAMES
+                    .iter()
+                    .position(|name| *name == part.name());
+                part.map(Light::Part)
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use half::f16;
 
 use crate::{
-    film::colors::NOTHING,
+    film::{colors::NOTHING, parts::LightParts},
     image_file::pixel::Sample,
     tracer::{color::Color, hit::Hit, radiance::Radiance, srgb::quantize, tone::Tone},
 };
@@ -37,10 +37,8 @@ pub(super) enum Quantity {
 pub(super) enum Light {
     /// All that the pixel shows.
     All,
-    /// What surfaces send themselves.
-    Direct,
-    /// What mirrors and glass show.
-    Specular,
+    /// A part of that, by its place among [`LightParts::NAMES`].
+    Part(usize),
     /// The first color of the material.
     Albedo,
 }
@@ -90,8 +88,7 @@ pub(super) struct Spot<'a> {
 /// The parts of a pixel's light.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Parts {
-    pub(super) direct: Radiance,
-    pub(super) specular: Radiance,
+    pub(super) light: LightParts,
     pub(super) albedo: Radiance,
     pub(super) tone: Tone,
 }
@@ -106,8 +103,7 @@ impl Spot<'_> {
             Quantity::Display(light, channel) => {
                 let color = match light {
                     Light::All => self.color,
-                    Light::Direct => self.parts.tone.color(self.parts.direct),
-                    Light::Specular => self.parts.tone.color(self.parts.specular),
+                    Light::Part(part) => self.parts.tone.color(self.parts.light.all()[part]),
                     Light::Albedo => Color::from_linear(self.parts.albedo),
                 };
                 [color.r(), color.g(), color.b()][channel]
@@ -116,8 +112,7 @@ impl Spot<'_> {
                 let light = match light {
                     Light::All if self.alpha == 0.0 => Radiance::BLACK,
                     Light::All => self.light / self.alpha,
-                    Light::Direct => self.parts.tone.expose(self.parts.direct),
-                    Light::Specular => self.parts.tone.expose(self.parts.specular),
+                    Light::Part(part) => self.parts.tone.expose(self.parts.light.all()[part]),
                     Light::Albedo => self.parts.albedo,
                 };
                 light.channels[channel]

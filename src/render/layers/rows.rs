@@ -124,13 +124,12 @@ impl Painter<'_> {
     /// Returns the color, the light and the parts of a pixel of a lit picture.
     fn lit(&self, lit: &LitPixel, needs_display: bool) -> (Color, Radiance, Parts) {
         let LitPixel {
-            direct,
-            specular,
+            parts,
             albedo,
             coverage,
             behind,
         } = *lit;
-        let light = direct + specular;
+        let light = parts.sum();
         let color = if needs_display && behind < 1.0 {
             self.tone.color(light / (1.0 - behind))
         } else {
@@ -142,8 +141,7 @@ impl Painter<'_> {
             None => exposed * coverage,
         };
         let parts = Parts {
-            direct,
-            specular,
+            light: parts,
             albedo,
             tone: self.tone,
         };

@@ -8,7 +8,9 @@ use super::{
 };
 use crate::{
     accel::raster::first_hits::Work,
-    film::{Centers, Lit, LitPixel, Piece, Wanted, colors::NOTHING, samples::Samples},
+    film::{
+        Centers, Lit, LitPixel, Piece, Wanted, colors::NOTHING, parts::LightParts, samples::Samples,
+    },
     integrator::{
         Integrate, Integrator,
         batch::{Encode, SampleRow, ShadeRow},
@@ -113,8 +115,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let count = f64::from(self.shading.samples.count());
         let hits = f64::from(sums.hits[place]);
         LitPixel {
-            direct: self.mean(sums, place, sums.light.direct(place)),
-            specular: self.mean(sums, place, sums.light.specular(place)),
+            parts: self.mean(sums, place),
             albedo: sums
                 .albedo
                 .get(place)
@@ -133,35 +134,34 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     }
 
     /// Returns the mean of the samples of a pixel that show something.
-    fn mean(&self, sums: &Sums, place: usize, sum: Radiance) -> Radiance {
+    fn mean(&self, sums: &Sums, place: usize) -> LightParts {
         let shown = match self.work.resolver.is_transparent {
             true => sums.hits[place],
             false => self.shading.samples.count(),
         };
-        if shown > 1 {
-            sum / f64::from(shown)
-        } else {
-            sum
+        let sum = sums.light.parts(place);
+        match shown > 1 {
+            true => sum.map(|sum| sum / f64::from(shown)),
+            false => sum,
         }
     }
 
     /// Sets the bytes of a row of pixels.
     fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
         let is_transparent = self.work.resolver.is_transparent;
-        if sums.light.specular.is_empty() && !is_transparent {
+        if sums.light.others.iter().all(Vec::is_empty) && !is_transparent {
             if self.shading.samples != Samples::ONE {
                 let count = f64::from(self.shading.samples.count());
-                let sums = sums.light.direct.iter_mut().flatten();
+                let sums = sums.light.first.iter_mut().flatten();
                 sums.for_each(|sum| *sum /= count);
             }
         } else {
             for place in 0..bytes.len() {
-                let direct = self.mean(sums, place, sums.light.direct(place));
-                let specular = self.mean(sums, place, sums.light.specular(place));
-                sums.light.set(place, Shaded::direct(direct + specular));
+                let light = self.mean(sums, place).sum();
+                sums.light.set(place, Shaded::direct(light));
             }
         }
-        let light = sums.light.direct.each_ref().map(Vec::as_slice);
+        let light = sums.light.first.each_ref().map(Vec::as_slice);
         self.shading.isa.run(Encode { tone, light, bytes });
     }
 
@@ -221,9 +221,9 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         }
         if side == 1 {
             // The only samples are the sums.
-            mem::swap(&mut sums.light.direct, &mut samples.direct);
+            mem::swap(&mut sums.light.first, &mut samples.first);
         } else {
-            for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
+            for (sums, samples) in sums.light.first.iter_mut().zip(&samples.first) {
                 match side {
                     2 => add_rows(sums, samples.as_chunks::<2>().0),
                     3 => add_rows(sums, samples.as_chunks::<3>().0),
@@ -232,10 +232,12 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
                 }
             }
         }
-        if !samples.specular.is_empty() {
-            sums.light.specular.resize(sums.hits.len(), Radiance::BLACK);
-            let samples = samples.specular.chunks_exact(side);
-            for (sum, samples) in sums.light.specular.iter_mut().zip(samples) {
+        for (sums_of_part, samples) in sums.light.others.iter_mut().zip(&samples.others) {
+            if samples.is_empty() {
+                continue;
+            }
+            sums_of_part.resize(sums.hits.len(), Radiance::BLACK);
+            for (sum, samples) in sums_of_part.iter_mut().zip(samples.chunks_exact(side)) {
                 *sum = samples.iter().fold(*sum, |sum, sample| sum + *sample);
             }
         }
@@ -258,7 +260,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let line = (row - self.hits.rows.start) as usize;
         samples.begin(columns.len());
         others.clear();
-        let [r, g, b] = &mut samples.direct;
+        let [r, g, b] = &mut samples.first;
         shading.isa.run(ShadeRow {
             world,
             shadows: self.state.shadows,

@@ -1,7 +1,9 @@
 //! The light of rows of samples, and its sums by pixel.
 
+use std::array;
+
 use crate::{
-    film::samples::Samples,
+    film::{parts::LightParts, samples::Samples},
     integrator::{
         batch::{Cache, Others},
         direct::Shaded,
@@ -45,7 +47,7 @@ impl Sums {
     pub(super) fn clear(&mut self, width: usize, samples: Samples) {
         self.light.begin(width);
         if samples != Samples::ONE {
-            self.light.direct.iter_mut().for_each(|sums| sums.fill(0.0));
+            self.light.first.iter_mut().for_each(|sums| sums.fill(0.0));
         }
         self.albedo.clear();
         self.hits.clear();
@@ -58,10 +60,10 @@ impl Sums {
 /// The light of a row.
 #[derive(Default)]
 pub(super) struct RowLight {
-    /// Red, green and blue.
-    pub(super) direct: [Vec<f64>; 3],
-    /// Empty if there is none.
-    pub(super) specular: Vec<Radiance>,
+    /// Red, green and blue of the first part, which all samples have.
+    pub(super) first: [Vec<f64>; 3],
+    /// The other parts; empty if there is none.
+    pub(super) others: [Vec<Radiance>; LightParts::NAMES.len() - 1],
     /// The mean of the channels of the part of a transparent background; empty if there is none.
     pub(super) behind: Vec<f64>,
 }
@@ -69,35 +71,38 @@ pub(super) struct RowLight {
 impl RowLight {
     /// Begins a row of this length, with any light.
     pub(super) fn begin(&mut self, count: usize) {
-        for light in &mut self.direct {
+        for light in &mut self.first {
             light.resize(count, 0.0);
         }
-        self.specular.clear();
+        self.others.iter_mut().for_each(Vec::clear);
         self.behind.clear();
     }
 
-    pub(super) fn direct(&self, place: usize) -> Radiance {
-        let [r, g, b] = &self.direct;
-        Radiance::new(r[place], g[place], b[place])
-    }
-
-    pub(super) fn specular(&self, place: usize) -> Radiance {
-        let specular = self.specular.get(place);
-        specular.copied().unwrap_or(Radiance::BLACK)
+    /// Returns the light at a place.
+    pub(super) fn parts(&self, place: usize) -> LightParts {
+        let [r, g, b] = &self.first;
+        let first = Radiance::new(r[place], g[place], b[place]);
+        LightParts::new(array::from_fn(|part| match part.checked_sub(1) {
+            None => first,
+            Some(other) => self.others[other].get(place).copied().unwrap_or_default(),
+        }))
     }
 
     pub(super) fn set(&mut self, place: usize, shaded: Shaded) {
-        for (light, channel) in self.direct.iter_mut().zip(shaded.direct.channels) {
+        let [first, others @ ..] = shaded.parts.all();
+        for (light, channel) in self.first.iter_mut().zip(first.channels) {
             light[place] = channel;
         }
-        if self.specular.is_empty() && shaded.specular != Radiance::BLACK {
-            self.specular.resize(self.direct[0].len(), Radiance::BLACK);
-        }
-        if let Some(specular) = self.specular.get_mut(place) {
-            *specular = shaded.specular;
+        for (lights, other) in self.others.iter_mut().zip(others) {
+            if lights.is_empty() && other != Radiance::BLACK {
+                lights.resize(self.first[0].len(), Radiance::BLACK);
+            }
+            if let Some(light) = lights.get_mut(place) {
+                *light = other;
+            }
         }
         if self.behind.is_empty() && shaded.behind != Radiance::BLACK {
-            self.behind.resize(self.direct[0].len(), 0.0);
+            self.behind.resize(self.first[0].len(), 0.0);
         }
         if let Some(behind) = self.behind.get_mut(place) {
             *behind = shaded.behind.mean();
