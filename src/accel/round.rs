@@ -11,7 +11,7 @@ use crate::{
             cylinder::Cylinder,
             disc::Disc,
             face::{Crossing, Leaving},
-            plane::Flat,
+            plane::Planar,
             span::Convex,
         },
     },

@@ -44,7 +44,7 @@ pub(crate) trait Queries {
     /// Prepares for many questions.
     fn prepare(&self) {}
 
-    /// Is told each step of the evaluation. Only an [explanation](crate::integrator::explain)
+    /// Receives each step of the evaluation. Only an [explanation](crate::integrator::explain)
     /// listens.
     #[inline(always)]
     fn tell(&self, _: Step) {}
@@ -151,7 +151,7 @@ pub(crate) struct Path<'a> {
     pub(crate) depth: u32,
     /// The part of its light that arrives at the camera.
     pub(crate) factor: Radiance,
-    /// What is already known of the shadow of each light where it meets a surface.
+    /// The shadow of each light where it meets a surface, as far as it is known.
     shadows: Option<&'a [Shadow]>,
 }
 
@@ -160,9 +160,9 @@ pub(crate) struct Path<'a> {
 pub(crate) enum Shadow {
     /// Nothing is in the way of the light.
     Lit,
-    /// An opaque geometry is in its fresnel.
+    /// An opaque geometry is in its way.
     Dark,
-    /// Glass may be in its fresnel.
+    /// Glass may be in its way.
     Glass,
 }
 

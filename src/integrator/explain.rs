@@ -1,6 +1,6 @@
 //! The steps of the evaluation of light, for readers who want to check them by hand.
 //!
-//! Nothing is computed here: [`direct`](crate::integrator::direct) tells each value as it uses it.
+//! Nothing is computed here: [`direct`](crate::integrator::direct) reports each value as it uses it.
 
 use std::cell::RefCell;
 
@@ -37,7 +37,7 @@ pub struct TracedRay {
     pub depth: u32,
     /// The part of its light that arrives at the camera.
     pub factor: Radiance,
-    /// What it meets.
+    /// Its end.
     pub end: RayEnd,
     /// Its light.
     pub parts: LightParts,
@@ -108,7 +108,7 @@ pub fn explain(world: &World, ray: &Ray) -> Option<TracedRay> {
     listener.open.into_inner().pop()
 }
 
-/// A world that notes what it is told.
+/// A world that records each step.
 struct Listener<'a> {
     world: &'a World,
     /// The rays that are being followed, each sent by the one before it.

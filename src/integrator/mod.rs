@@ -14,7 +14,7 @@ use crate::{
     tracer::{radiance::Radiance, ray::Ray, shape::face::Crossing, world::World},
 };
 
-/// What each integrator answers, in its own file.
+/// The methods of an integrator, implemented in its own file.
 pub(crate) trait Integrate {
     /// Returns the light of a camera's ray.
     fn trace(&self, ray: &Ray) -> Shaded;

@@ -99,7 +99,7 @@ impl Default for Tone {
 const START: f64 = 0.76;
 /// The Fresnel reflection that is subtracted.
 const OFFSET: f64 = 0.04;
-/// How fast compressed highlights lose their hue.
+/// The rate at which compressed highlights lose their hue.
 const DESATURATION: f64 = 0.15;
 
 fn neutral(light: Radiance) -> Radiance {

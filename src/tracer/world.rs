@@ -68,7 +68,7 @@ pub struct Lighting {
 }
 
 impl Lighting {
-    /// The largest depth of a ray unless told otherwise.
+    /// The default of the largest depth of a ray.
     pub const MAX_DEPTH: u32 = 8;
 
     /// Creates the lighting of some lights, with [`Lighting::MAX_DEPTH`].

@@ -19,7 +19,7 @@ pub(super) struct LightTerms<'a> {
     samples: Vec<SampleTerms<'a>>,
     /// The mean of the samples.
     #[serde(flatten)]
-    parts: PartTerms,
+    parts: LightPartTerms,
     light: [f64; 3],
     /// `None` in a flat picture.
     #[serde(flatten)]
@@ -44,7 +44,7 @@ struct SampleTerms<'a> {
     hit: Option<OriginTerms<'a>>,
     inked_by: Option<NeighborTerms<'a>>,
     #[serde(flatten)]
-    parts: PartTerms,
+    parts: LightPartTerms,
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<RaySteps<'a>>,
 }
@@ -69,7 +69,7 @@ struct RaySteps<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     surface: Option<SurfaceSteps<'a>>,
     #[serde(flatten)]
-    parts: PartTerms,
+    parts: LightPartTerms,
 }
 
 #[derive(Serialize)]
@@ -104,21 +104,21 @@ struct Crossing<'a> {
 }
 
 /// The parts of light, in data by name.
-struct PartTerms(LightParts);
+struct LightPartTerms(LightParts);
 
-impl PartTerms {
+impl LightPartTerms {
     fn named(&self) -> impl Iterator<Item = (&'static str, [f64; 3])> {
         LightParts::NAMES.into_iter().zip(self.0.all().map(rgb))
     }
 }
 
-impl Serialize for PartTerms {
+impl Serialize for LightPartTerms {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.named())
     }
 }
 
-impl fmt::Display for PartTerms {
+impl fmt::Display for LightPartTerms {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = self
             .named()
@@ -155,7 +155,7 @@ impl<'a> LightTerms<'a> {
             samples: samples
                 .map(|sample| SampleTerms::new(scene, sample))
                 .collect(),
-            parts: PartTerms(pixel.parts),
+            parts: LightPartTerms(pixel.parts),
             light: rgb(light),
             tone: pixel.tone.map(|tone| ToneTerms::new(tone, light)),
             color: pixel.color,
@@ -196,7 +196,7 @@ impl<'a> SampleTerms<'a> {
             direction: sample.ray.direction().into(),
             hit: sample.hit.map(origin),
             inked_by,
-            parts: PartTerms(sample.parts),
+            parts: LightPartTerms(sample.parts),
             steps: sample.steps.map(|ray| RaySteps::new(scene, ray)),
         }
     }
@@ -219,7 +219,7 @@ impl<'a> RaySteps<'a> {
             factor: rgb(traced.factor),
             end,
             surface,
-            parts: PartTerms(traced.parts),
+            parts: LightPartTerms(traced.parts),
         }
     }
 }

@@ -1,5 +1,4 @@
-//! The geometries of eight hits: what is known of them, and the normals that only their own shapes
-//! tell.
+//! The geometries of eight hits, and the normals that only their own shapes can compute.
 
 use glam::DVec3;
 
@@ -16,7 +15,7 @@ use crate::{
     },
 };
 
-/// What is known of geometries that were seen lately, by the lowest bits of their indices.
+/// A cache of the geometries that were seen lately, by the lowest bits of their indices.
 pub(crate) struct Cache(Vec<Known>);
 
 /// The largest number of geometries in a [`Cache`]: many times those that a row of pixels sees.
@@ -39,7 +38,7 @@ impl Cache {
     }
 }
 
-/// What a hit needs of a geometry.
+/// The data of a geometry that a hit needs.
 #[derive(Clone, Copy)]
 struct Known {
     index: u32,

@@ -25,7 +25,7 @@ pub(crate) enum MaterialBinding {
 pub(crate) struct ByShape {
     /// In the order of the shapes.
     bindings: Box<[MaterialBinding]>,
-    /// All materials of all of them.
+    /// The materials of all bindings.
     materials: Box<[Material]>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct ByVertex {
     vertices: VertexColors,
 }
 
-/// What the vertices of a mesh have, in their order, or its triangles.
+/// The colors or values of the vertices of a mesh, in their order, or the colors of its triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum VertexColors {
     /// Colors, as linear light.
@@ -57,17 +57,17 @@ pub(crate) enum VertexColors {
     OfTriangles(Arc<[Color]>),
 }
 
-/// How a color follows from what the corners of a triangle have.
+/// The interpolation of a color between the corners of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Interpolation<'a> {
     /// The weights of the corners, in 0..=1; their sum is 1 but for rounding.
     pub weights: [f64; 3],
-    /// What the corners have.
+    /// The colors or values of the corners.
     pub corners: Corners<'a>,
 }
 
-/// What the corners of a triangle have that determines colors.
+/// The colors of the corners of a triangle, or the values that determine them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Corners<'a> {
     /// Colors, which are interpolated as linear light.
@@ -124,7 +124,7 @@ fn pick<T: Copy>(of_vertices: &[T], corners: [u32; 3]) -> Option<[T; 3]> {
 }
 
 impl ByVertex {
-    /// What the vertices have.
+    /// The colors or values of the vertices.
     pub(crate) const fn vertices(&self) -> &VertexColors {
         &self.vertices
     }

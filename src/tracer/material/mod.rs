@@ -1,7 +1,7 @@
 //! The materials of surfaces, one per file.
 //!
 //! Everything that the rest of the crate needs from a material is a method here, implemented in the
-//! file of the material. What it does with light are its `lobes`.
+//! file of the material. Its `lobes` say how it sends light.
 
 pub(crate) mod binding;
 pub(crate) mod emissive;

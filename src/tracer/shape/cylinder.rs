@@ -1,4 +1,4 @@
-//! A round bar, closed or open at its ends.
+//! A cylinder, closed or open at its ends.
 
 use glam::DVec3;
 

@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         face::Leaving,
-        plane::{Flat, Plane},
+        plane::{Planar, Plane},
         working::{Term, Working},
     },
     vector::{finite, positive, rim, unit},
@@ -121,7 +121,7 @@ impl Disc {
     }
 }
 
-impl Flat for Disc {
+impl Planar for Disc {
     const PLANE: &'static str = "the plane of this disc";
 
     fn in_plane(&self) -> &Plane {

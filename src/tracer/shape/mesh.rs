@@ -92,8 +92,8 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// The same with something for each corner, or nothing. Returns that of the corners that were not
-    /// dropped as well.
+    /// The same with a value for each corner, or with no values. Also returns the values of the corners
+    /// that were not dropped.
     pub(crate) fn with<T>(
         vertices: Vec<DVec3>,
         mut triangles: Vec<[u32; 3]>,

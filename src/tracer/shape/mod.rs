@@ -55,7 +55,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         face::{Crossing, Faces, Leaving},
-        plane::{Flat, Plane},
+        plane::{Planar, Plane},
         span::Convex,
         sphere::Sphere,
         working::Working,

@@ -137,7 +137,7 @@ impl Plane {
 }
 
 /// A plane or a piece of one.
-pub(crate) trait Flat {
+pub(crate) trait Planar {
     const FACES: Faces = Faces::Flat;
 
     /// The plane, in the words of a message.
@@ -173,7 +173,7 @@ pub(crate) trait Flat {
     }
 }
 
-impl Flat for Plane {
+impl Planar for Plane {
     const PLANE: &'static str = "this plane";
 
     fn in_plane(&self) -> &Plane {

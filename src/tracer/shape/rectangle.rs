@@ -10,7 +10,7 @@ use crate::tracer::{
     shape::{
         around::{Around, farthest},
         face::Leaving,
-        plane::{Flat, Plane},
+        plane::{Planar, Plane},
         triangle::Sheared,
         working::{Term, Working},
     },
@@ -117,7 +117,7 @@ impl Rectangle {
     }
 }
 
-impl Flat for Rectangle {
+impl Planar for Rectangle {
     const PLANE: &'static str = "the plane of this rectangle";
 
     fn in_plane(&self) -> &Plane {

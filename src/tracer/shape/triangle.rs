@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         around::{Around, farthest},
         face::Leaving,
-        plane::{Flat, Plane},
+        plane::{Planar, Plane},
         working::{Term, Working},
     },
     vector::{farthest_along, finite},
@@ -237,7 +237,7 @@ impl Triangle {
     }
 }
 
-impl Flat for Triangle {
+impl Planar for Triangle {
     const PLANE: &'static str = "the plane of this triangle";
 
     fn in_plane(&self) -> &Plane {

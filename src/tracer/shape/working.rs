@@ -7,7 +7,7 @@ use glam::DVec3;
 /// The solution of a shape's equation for a ray.
 #[derive(Clone, Debug)]
 pub struct Working {
-    /// What the shape is like beyond its numbers: of which solids it is put together, or that it is open.
+    /// The form of the shape beyond its numbers: the operands of a solid, or `open`.
     pub form: Option<String>,
     /// The parameters of the shape.
     pub parts: Vec<Term>,

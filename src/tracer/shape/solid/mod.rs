@@ -44,7 +44,7 @@ pub struct Solid {
     around: Option<Around>,
 }
 
-/// What a solid consists of.
+/// The way in which a solid is combined from its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     /// All points that are in some operand.

@@ -26,7 +26,7 @@ pub(super) struct SolidPart {
     pub(super) around: Option<Around>,
 }
 
-/// Computes something of a simple solid, or another value of any other shape.
+/// Evaluates an expression for a simple solid, and another one for any other shape.
 macro_rules! of_simple {
     ($shape:expr, $solid:ident => $value:expr, else $other:expr) => {
         match $shape {
