@@ -26,6 +26,7 @@ use crate::tracer::{
         plane::Plane,
         solid::part::SolidPart,
         span::Span,
+        sphere::Sphere,
         working::Working,
     },
     transform::Transform,
@@ -344,38 +345,15 @@ impl Node {
         }
     }
 
-    /// Returns true if a ball surely lies inside.
-    fn holds_ball(&self, parts: &[SolidPart], center: DVec3, radius: f64) -> bool {
+    /// Returns true if something surely lies inside, given the parts that it lies in.
+    fn holds(&self, parts: &[SolidPart], is_in: &impl Fn(&SolidPart) -> bool) -> bool {
         match self {
-            Self::Part(index) => match &parts[*index].shape {
-                Shape::Sphere(sphere) => {
-                    (sphere.center() - center).length() + radius <= sphere.radius()
-                }
-                _ => false,
-            },
+            Self::Part(index) => is_in(&parts[*index]),
             Self::Of(of) => {
                 let mut operands = of.operands.iter();
                 match of.operation {
-                    Operation::Union => operands.any(|node| node.holds_ball(parts, center, radius)),
-                    Operation::Intersection => {
-                        operands.all(|node| node.holds_ball(parts, center, radius))
-                    }
-                    Operation::Difference => false,
-                }
-            }
-        }
-    }
-
-    /// Returns true if a box surely lies inside.
-    fn holds(&self, parts: &[SolidPart], bounds: [DVec3; 2]) -> bool {
-        match self {
-            // It is convex.
-            Self::Part(index) => corners(bounds).all(|corner| parts[*index].depth(corner) >= 0.0),
-            Self::Of(of) => {
-                let mut operands = of.operands.iter();
-                match of.operation {
-                    Operation::Union => operands.any(|node| node.holds(parts, bounds)),
-                    Operation::Intersection => operands.all(|node| node.holds(parts, bounds)),
+                    Operation::Union => operands.any(|node| node.holds(parts, is_in)),
+                    Operation::Intersection => operands.all(|node| node.holds(parts, is_in)),
                     Operation::Difference => false,
                 }
             }
@@ -402,23 +380,29 @@ impl Node {
                     return false;
                 };
                 let bounds = first.bounds(parts);
-                let ball = first.ball(parts);
+                // Parts are convex.
+                let holds_box = |part: &SolidPart, bounds| {
+                    corners(bounds).all(|corner| part.depth(corner) >= 0.0)
+                };
+                let ball = match first {
+                    Self::Part(index) => parts[*index].shape.sphere(),
+                    Self::Of(_) => None,
+                };
+                let holds_ball = |part: &SolidPart, ball: &Sphere| {
+                    part.shape.sphere().is_some_and(|sphere| {
+                        let away = (sphere.center() - ball.center()).length();
+                        away + ball.radius() <= sphere.radius()
+                    })
+                };
                 operands.any(|node| {
+                    let holds_box = |of| node.holds(parts, &|part| holds_box(part, of));
+                    let holds_ball = |of| node.holds(parts, &|part| holds_ball(part, of));
                     node.equals(first, parts)
-                        || bounds.is_some_and(|bounds| node.holds(parts, bounds))
-                        || ball.is_some_and(|(at, radius)| node.holds_ball(parts, at, radius))
+                        || bounds.is_some_and(holds_box)
+                        || ball.is_some_and(holds_ball)
                 })
             }
         }
-    }
-
-    /// Returns the center and the radius, if it is a ball.
-    fn ball(&self, parts: &[SolidPart]) -> Option<(DVec3, f64)> {
-        let Self::Part(index) = self else {
-            return None;
-        };
-        let sphere = parts[*index].shape.sphere()?;
-        Some((sphere.center(), sphere.radius()))
     }
 
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside. What
