@@ -213,7 +213,10 @@ impl<'a> RaySteps<'a> {
         };
         Self {
             depth: traced.depth,
-            leaves: traced.own.map(|own| OriginTerms::of_face(scene, own)),
+            leaves: traced.own.map(|own| {
+                let id = scene.world().id_of(own.geometry, own.face);
+                OriginTerms::new(scene, id)
+            }),
             origin: ray.origin().into(),
             direction: ray.direction().into(),
             factor: rgb(traced.factor),
