@@ -8,6 +8,7 @@ use std::{
 use super::{
     Scene,
     cameras::{Cameras, framing},
+    fingerprint::WorldHash,
     refused,
 };
 use crate::{
@@ -239,16 +240,19 @@ impl Scene {
             cameras.choose(index);
         }
         let (world, scales) = (Arc::clone(&stage.world), Arc::clone(&stage.scales));
+        let places = moving.places.iter().map(|(_, place)| place.clone());
+        let world_hash = match is_reusable {
+            true => self.world_hash.replaced(places).into(),
+            false if moving.frames.move_the_world() => WorldHash::new(&world).into(),
+            false => Arc::clone(&self.world_hash),
+        };
         let mut stages = moving.stages();
         if is_reusable && stages.len() < KEPT {
             stages.push(stage);
         }
         Ok(Self {
             cameras,
-            world_hash: match moving.frames.move_the_world() {
-                true => Arc::default(),
-                false => Arc::clone(&self.world_hash),
-            },
+            world_hash,
             world,
             scales,
             tone,
@@ -346,6 +350,8 @@ mod tests {
                 build::renew(&model, &mut tables, &all).unwrap();
                 let whole = build::world(model, tables, None).unwrap().world;
                 assert!(*frame.world == whole, "frame {number} of {tracks}");
+                let (hash, expected) = (&frame.world_hash, WorldHash::new(&whole));
+                assert_eq!(hash.of(&frame.world), expected.of(&whole), "{tracks}");
                 let last = shown.replace(frame);
                 assert!(last.is_none_or(|last| *last.world != whole || number == 4));
             }

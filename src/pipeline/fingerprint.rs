@@ -1,6 +1,10 @@
 //! A hash of everything a picture shows, to check if two pictures come from the same scene.
 
-use std::mem;
+use std::{
+    mem,
+    ops::Range,
+    sync::{Arc, OnceLock},
+};
 
 use glam::DVec3;
 use sha2::{Digest, Sha256};
@@ -33,6 +37,65 @@ pub(crate) struct Fingerprint {
 
 /// Minimum number of bytes to hash at once.
 const PIECE: usize = 1 << 12;
+
+/// The hash of a world. Frames share the hashes of those runs of geometries in which nothing changes.
+#[derive(Clone, Debug)]
+pub(crate) struct WorldHash {
+    whole: OnceLock<String>,
+    runs: Vec<Arc<OnceLock<String>>>,
+}
+
+/// The number of geometries in a run.
+const RUN: usize = if cfg!(test) { 2 } else { 1 << 10 };
+
+impl WorldHash {
+    /// Prepares the hash of a world, which is computed on first use.
+    pub(crate) fn new(world: &World) -> Self {
+        let runs = world.geometries().len().div_ceil(RUN);
+        Self {
+            whole: OnceLock::new(),
+            runs: (0..runs).map(|_| Arc::default()).collect(),
+        }
+    }
+
+    /// Prepares the hash of a world in which other geometries stand in these places.
+    pub(crate) fn replaced(&self, places: impl Iterator<Item = Range<usize>>) -> Self {
+        let mut runs = self.runs.clone();
+        for place in places.filter(|place| !place.is_empty()) {
+            for run in &mut runs[place.start / RUN..=(place.end - 1) / RUN] {
+                *run = Arc::default();
+            }
+        }
+        Self {
+            whole: OnceLock::new(),
+            runs,
+        }
+    }
+
+    /// Returns the hash of a world, the one that it was prepared for.
+    pub(crate) fn of(&self, world: &World) -> &str {
+        self.whole.get_or_init(|| {
+            let mut fingerprint = Fingerprint::default();
+            let (geometries, background, lighting) = world.parts();
+            fingerprint.color(background);
+            for (run, geometries) in self.runs.iter().zip(geometries.chunks(RUN)) {
+                fingerprint.text(run.get_or_init(|| {
+                    let mut fingerprint = Fingerprint::default();
+                    for geometry in geometries {
+                        fingerprint.geometry(geometry);
+                    }
+                    fingerprint.digits()
+                }));
+            }
+            if let Some(Lighting { lights, max_depth }) = lighting {
+                fingerprint.text("lit");
+                fingerprint.number(f64::from(*max_depth));
+                lights.iter().for_each(|light| fingerprint.light(light));
+            }
+            fingerprint.digits()
+        })
+    }
+}
 
 impl Fingerprint {
     /// Adds a string, such as an option.
@@ -78,20 +141,6 @@ impl Fingerprint {
         for (kind, geometry, indices, list) in origins.lists() {
             self.text(&format!("{kind} {geometry} {indices:?}"));
             self.names(list);
-        }
-    }
-
-    /// Adds the background and all geometries, in their order.
-    pub(crate) fn world(&mut self, world: &World) {
-        let (geometries, background, lighting) = world.parts();
-        self.color(background);
-        for geometry in geometries {
-            self.geometry(geometry);
-        }
-        if let Some(Lighting { lights, max_depth }) = lighting {
-            self.text("lit");
-            self.number(f64::from(*max_depth));
-            lights.iter().for_each(|light| self.light(light));
         }
     }
 

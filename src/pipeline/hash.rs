@@ -62,12 +62,7 @@ impl Scene {
         fingerprint.text(env!("CARGO_PKG_VERSION"));
         fingerprint.text(options);
         fingerprint.camera(camera);
-        let world = self.world_hash.get_or_init(|| {
-            let mut fingerprint = Fingerprint::default();
-            fingerprint.world(&self.world);
-            fingerprint.digits()
-        });
-        fingerprint.text(world);
+        fingerprint.text(self.world_hash.of(&self.world));
         let tone = self.world.lighting().map(|_| self.tone);
         fingerprint.develop(tone, self.outlines.as_ref());
         fingerprint.digits()

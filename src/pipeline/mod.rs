@@ -10,15 +10,12 @@ mod hash;
 pub(crate) mod options;
 mod picture;
 
-use std::{
-    fmt,
-    path::Path,
-    sync::{Arc, OnceLock},
-};
+use std::{fmt, path::Path, sync::Arc};
 
 use self::{
     animation::Moving,
     cameras::{Cameras, framing},
+    fingerprint::WorldHash,
 };
 use crate::{
     diagnostic::{Diagnostic, error::Error},
@@ -56,8 +53,7 @@ pub struct Scene {
     file: Arc<str>,
     cameras: Cameras,
     world: Arc<World>,
-    /// The hash of the world, computed by `hash.rs` on first use.
-    world_hash: Arc<OnceLock<String>>,
+    world_hash: Arc<WorldHash>,
     /// The last results of framing several scenes of which this is the first.
     known_together: Arc<Known>,
     /// The results of cameras that frame the scene.
@@ -229,8 +225,8 @@ impl TryFrom<Document> for Scene {
         let cameras = cameras?;
         Ok(Self {
             cameras,
+            world_hash: WorldHash::new(&world).into(),
             world: world.into(),
-            world_hash: Arc::default(),
             known,
             known_together,
             frame: 0,
