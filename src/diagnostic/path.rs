@@ -3,7 +3,7 @@
 use std::{borrow::Cow, fmt};
 
 /// A step from a value to one inside of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
     /// A field of a struct.
     Field(Cow<'static, str>),
@@ -34,7 +34,7 @@ impl Step {
 
 /// The path from the root of a scene to one of its values. `Display` writes it as in a program; the
 /// root is empty.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Path(Vec<Step>);
 
 impl Path {

@@ -4,15 +4,16 @@ use std::ops::RangeInclusive;
 
 use super::{
     curve,
-    target::{Owner, Target},
+    target::{Aspect, Target},
 };
 use crate::{
+    diagnostic::path::Path,
     scene::{
         format::{
             animation::{AnimationModel, Track},
             camera::CameraModel,
             cameras::CamerasModel,
-            field::{FieldKind, Slot},
+            field::Slot,
             geometry::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
@@ -102,9 +103,7 @@ impl Frames {
     /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
         let mut targets = self.targets.iter();
-        targets.any(|target| {
-            target.geometry() == Some(at) && !matches!(target.owner, Owner::ColorBy(_))
-        })
+        targets.any(|target| target.geometry == Some(at) && target.aspect != Aspect::ColorBy)
     }
 
     /// Returns true if a geometry changes, one inside of it, or the transform of a group around it.
@@ -127,11 +126,12 @@ impl Frames {
 
     /// Returns the leaves that change in any way, in ascending order.
     pub(crate) fn changed_leaves(&self, model: &Model) -> Vec<Ordinal> {
-        let mut changed: Vec<_> = self.targets.iter().filter_map(Target::geometry).collect();
-        let materials = self.targets.iter().filter_map(|target| match target.owner {
-            Owner::Material(index) => Some(&*model.materials.as_ref()?.0.get(index)?.0),
-            _ => None,
-        });
+        let mut changed: Vec<_> = self.targets.iter().filter_map(|it| it.geometry).collect();
+        let materials = self
+            .targets
+            .iter()
+            .filter(|it| it.aspect == Aspect::Material);
+        let materials = materials.filter_map(|target| target.owner.steps().get(1)?.name());
         let materials: Vec<_> = materials.collect();
         if !materials.is_empty() {
             let has = |geometry: &GeometryModel| {
@@ -161,18 +161,14 @@ impl Frames {
 
     /// Returns the geometries that move or change their size, in ascending order.
     pub(crate) fn moved_geometries(&self) -> Vec<Ordinal> {
-        let moved = self.targets.iter().filter_map(|target| match target.owner {
-            Owner::Geometry(at) if target.kind != FieldKind::Color => Some(at),
-            Owner::Transform(at, _) | Owner::Rotation(at, _) => Some(at),
-            _ => None,
-        });
+        let moved = self.targets.iter().filter_map(Target::moved_geometry);
         self.with_copies(moved.collect())
     }
 
     /// Returns true if a light changes.
     pub(crate) fn change_light(&self, index: usize) -> bool {
-        let mut targets = self.targets.iter();
-        targets.any(|target| target.owner == Owner::Light(index))
+        let light = Path::ROOT.field("lights").index(index);
+        self.targets.iter().any(|target| target.owner == light)
     }
 
     /// Copies the parts of the scene that [`Frames::show`] needs: without geometries if the world
@@ -211,9 +207,7 @@ impl Frames {
         self.orbit(number, model);
         let time = self.seconds(number);
         for (target, (_, track)) in self.targets.iter().zip(self.animation.tracks()) {
-            if let Some(slot) = target.slot(model) {
-                write(track, time, slot);
-            }
+            target.change(model, &mut |slot| write(track, time, slot));
         }
     }
 

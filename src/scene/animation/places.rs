@@ -9,12 +9,12 @@ use std::{collections::BTreeMap, iter, ops::Range};
 
 use super::{
     frames::Frames,
-    target::{Owner, Target},
+    target::{Aspect, Target},
 };
 use crate::scene::format::{
     animation::{Interpolation, Key, Track},
     field::FieldKind,
-    geometry::{GeometryModel, nesting::Ordinal},
+    geometry::GeometryModel,
     scene::Model,
     transform::ScaleModel,
 };
@@ -66,7 +66,7 @@ impl Frames {
         let mut ranges = vec![0..1, last..last + 1];
         let mut movers: BTreeMap<usize, Vec<(&Target, &Track)>> = BTreeMap::new();
         for (target, track) in self.tracks() {
-            if let Some(at) = moves(target) {
+            if let Some(at) = target.moved_geometry() {
                 movers.entry(at.index).or_default().push((target, track));
             }
         }
@@ -112,15 +112,6 @@ fn times(track: &Track) -> Vec<Time> {
     }
 }
 
-/// Returns the geometry that a track moves or whose size it changes.
-fn moves(target: &Target) -> Option<Ordinal> {
-    match target.owner {
-        Owner::Geometry(at) if target.kind != FieldKind::Color => Some(at),
-        Owner::Transform(at, _) | Owner::Rotation(at, _) => Some(at),
-        _ => None,
-    }
-}
-
 /// Returns true if each point of what these tracks move goes straight from key to key: if they are
 /// of one thing, and go along straight lines or are a single number.
 fn go_straight(model: &Model, tracks: &[(&Target, &Track)]) -> bool {
@@ -143,11 +134,11 @@ fn go_straight(model: &Model, tracks: &[(&Target, &Track)]) -> bool {
         _ => false,
     };
     let mut all = tracks.iter();
-    let moves_straight = |target: &Target| match target.owner {
-        Owner::Geometry(at) => model.geometry(at).is_some_and(|geometry| {
+    let moves_straight = |target: &Target| match (target.aspect, target.geometry) {
+        (Aspect::Geometry, Some(at)) => model.geometry(at).is_some_and(|geometry| {
             matches!(geometry, GeometryModel::Sphere(_)) || geometry.table().is_some()
         }),
-        Owner::Transform(..) => matches!(target.kind, FieldKind::Point | FieldKind::Scale),
+        (Aspect::Transform, _) => matches!(target.kind, FieldKind::Point | FieldKind::Scale),
         _ => false,
     };
     let Some((first, track)) = tracks.first() else {

@@ -1,64 +1,55 @@
 //! Resolution of a track's path to the value that it changes.
 
 use crate::{
-    diagnostic::{Code, Diagnostic, path::Step},
+    diagnostic::{
+        Code, Diagnostic,
+        path::{Path, Step},
+    },
     scene::{
         format::{
-            camera::CameraModel,
-            color_by::ColorByModel,
+            animation::CHANGING,
             field::{Field, FieldKind, Slot},
-            fit::ProjectionModel,
             geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
             material::MaterialModel,
             scene::Model,
-            thing::Thing,
+            thing::{Follow, Record, Thing, Type},
             transform::{ScaleModel, TransformModel},
         },
-        path::{self, PathPart},
-        unknown,
+        path, unknown,
     },
     text::nearest::{list, nearest, quote},
 };
 
-/// The owner of fields that change over time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Owner {
+/// What a track changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Aspect {
     /// The scene itself.
     Scene,
-    /// The picture.
-    Image,
-    /// The outlines.
-    Outlines,
-    /// The camera without a name.
+    /// The picture, or the outlines in it.
+    Picture,
+    /// A camera or its projection.
     Camera,
-    /// One of `cameras`, by its index.
-    NamedCamera(usize),
-    /// The projection of the camera without a name.
-    Projection,
-    /// The projection of one of `cameras`, by its index.
-    NamedProjection(usize),
-    /// A light, by its index.
-    Light(usize),
-    /// One of `materials`, by its index.
-    Material(usize),
-    /// A geometry, by its number.
-    Geometry(Ordinal),
-    /// The material of a geometry, by the number of the geometry.
-    Surface(Ordinal),
-    /// The colors by value of a geometry, by the number of the geometry.
-    ColorBy(Ordinal),
-    /// The transform of a geometry, by the number of the geometry; or that of one of the instances that
-    /// it is, by the index in their list.
-    Transform(Ordinal, Option<usize>),
-    /// The rotation in that transform.
-    Rotation(Ordinal, Option<usize>),
+    /// A light.
+    Light,
+    /// A material, of a geometry or by its name.
+    Material,
+    /// The shape or the color of a geometry.
+    Geometry,
+    /// The colors by value of a geometry.
+    ColorBy,
+    /// The transform of a geometry, or one of several.
+    Transform,
 }
 
 /// The target of a track.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
-    pub(crate) owner: Owner,
+    /// The path of the thing that has the field.
+    pub(crate) owner: Path,
+    pub(crate) aspect: Aspect,
+    /// The geometry that the thing is or is in.
+    pub(crate) geometry: Option<Ordinal>,
     pub(crate) field: &'static str,
     pub(crate) kind: FieldKind,
     /// The index of one number of a vector or a color; `None` for all of it.
@@ -72,21 +63,22 @@ impl Target {
     ///
     /// The reason why the path leads to nothing that can change.
     pub(crate) fn of(model: &Model, path: &str) -> Result<Self, Diagnostic> {
-        let mut steps = path::parts(path).map_err(|expected| {
+        let mut parts = path::parts(path).map_err(|expected| {
             unknown_path(format!(
                 "{} is not a path, expected {expected}",
                 quote(path)
             ))
         })?;
-        unknown::index_of_name(model, &mut steps)?;
-        let (owner, rest) = owner(model, &steps)?;
-        let (field, component) = match rest {
+        unknown::index_of_name(model, &mut parts)?;
+        let steps: Vec<_> = parts.into_iter().map(|part| part.step).collect();
+        let owner = Owner::of(model, &steps)?;
+        let (field, component) = match owner.rest(&steps) {
             [field] => (field, None),
             [field, component] => (field, Some(component)),
             _ => return Err(does_not_change(path)),
         };
         let name = field.name().unwrap_or_default();
-        let fields = owner.fields(model);
+        let fields = owner.thing.fields();
         let Some(Field {
             name: field, kind, ..
         }) = fields.iter().copied().find(|field| field.name == name)
@@ -96,16 +88,15 @@ impl Target {
         if !kind.changes() {
             return Err(does_not_change(path));
         }
-        if !owner.has_value(model, field) {
-            return Err(match owner.transform(model) {
-                Some(TransformModel {
-                    matrix: Some(_), ..
-                }) => in_matrix(),
-                _ => not_given(model, owner, field),
-            });
+        let transform = owner.transform();
+        if transform.is_some_and(|transform| transform.matrix.is_some()) {
+            return Err(in_matrix());
+        }
+        if !owner.thing.has(field) {
+            return Err(owner.not_given(field));
         }
         let count = if kind == FieldKind::Interval { 2 } else { 3 };
-        let component = match component.map(|part| &part.step) {
+        let component = match component {
             None => None,
             Some(Step::Index(index)) if *index < count && !kind.is_number() => Some(*index),
             Some(Step::Index(index)) if !kind.is_number() => {
@@ -114,13 +105,16 @@ impl Target {
             }
             Some(_) => return Err(does_not_change(path)),
         };
-        if kind == FieldKind::Scale && component.is_some() && !owner.has_three_scales(model) {
+        let has_three = transform.is_some_and(|it| matches!(it.scale, Some(ScaleModel::Axes(_))));
+        if kind == FieldKind::Scale && component.is_some() && !has_three {
             let message = "`scale` is one number: no element of it can change".to_owned();
             let help = "give the transform three numbers as `scale`";
             return Err(unknown_path(message).with_help(help));
         }
         Ok(Self {
-            owner,
+            aspect: owner.aspect(),
+            geometry: model.geometry_on(owner.path.steps()).map(|(at, _)| at),
+            owner: owner.path,
             field,
             kind,
             component,
@@ -129,44 +123,39 @@ impl Target {
 
     /// Returns true if the world changes, and not only a camera or the picture.
     pub(crate) const fn is_of_world(&self) -> bool {
-        match self.owner {
-            Owner::Scene
-            | Owner::Light(_)
-            | Owner::Material(_)
-            | Owner::Geometry(_)
-            | Owner::Surface(_)
-            | Owner::ColorBy(_)
-            | Owner::Transform(..)
-            | Owner::Rotation(..) => true,
-            Owner::Image
-            | Owner::Outlines
-            | Owner::Camera
-            | Owner::NamedCamera(_)
-            | Owner::Projection
-            | Owner::NamedProjection(_) => false,
-        }
+        !matches!(self.aspect, Aspect::Picture | Aspect::Camera)
     }
 
-    /// The geometry that changes, if it is one.
-    pub(crate) const fn geometry(&self) -> Option<Ordinal> {
-        match self.owner {
-            Owner::Geometry(at)
-            | Owner::Surface(at)
-            | Owner::ColorBy(at)
-            | Owner::Transform(at, _)
-            | Owner::Rotation(at, _) => Some(at),
-            _ => None,
-        }
+    /// Returns the geometry that it moves or whose size it changes.
+    pub(crate) fn moved_geometry(&self) -> Option<Ordinal> {
+        let moves = match self.aspect {
+            Aspect::Geometry => self.kind != FieldKind::Color,
+            aspect => aspect == Aspect::Transform,
+        };
+        self.geometry.filter(|_| moves)
     }
 
     /// Returns true if an orbit changes it as well.
-    pub(crate) const fn is_turned_by_orbit(&self) -> bool {
-        self.owner.is_camera() && matches!(self.kind, FieldKind::Point | FieldKind::Direction)
+    pub(crate) fn is_turned_by_orbit(&self) -> bool {
+        let turns = matches!(self.kind, FieldKind::Point | FieldKind::Direction);
+        turns && self.aspect == Aspect::Camera
     }
 
-    /// Returns the slot of the value; a missing optional field gets its default.
-    pub(crate) fn slot<'m>(&self, model: &'m mut Model) -> Option<Slot<'m>> {
-        let whole = self.owner.thing_mut(model)?.slot(self.field)?;
+    /// Calls `write` with the slot of the value; a missing optional field gets its default.
+    pub(crate) fn change(&self, model: &mut Model, write: &mut dyn FnMut(Slot)) {
+        let steps = self.owner.steps();
+        let target = self;
+        let change = Change {
+            target,
+            steps,
+            write,
+        };
+        change.thing(model);
+    }
+
+    /// Returns the slot of the value in the thing that has it.
+    fn slot<'m>(&self, owner: &'m mut dyn Thing) -> Option<Slot<'m>> {
+        let whole = owner.slot(self.field)?;
         let Some(index) = self.component else {
             return Some(whole);
         };
@@ -180,304 +169,194 @@ impl Target {
     }
 }
 
-impl Owner {
-    /// Its fields.
-    fn fields(self, model: &Model) -> &'static [Field] {
-        self.thing(model).map_or(&[], Thing::fields)
+/// A change of a value on its way to the slot.
+struct Change<'a> {
+    target: &'a Target,
+    /// The rest of the way.
+    steps: &'a [Step],
+    write: &'a mut dyn FnMut(Slot),
+}
+
+impl Follow for Change<'_> {
+    type Out = ();
+
+    fn thing<T: Record>(mut self, thing: &mut T) {
+        // The picture has its defaults without being given.
+        if !thing.is_given()
+            && let Ok(created) = serde_json::from_value(serde_json::json!({}))
+        {
+            *thing = created;
+        }
+        match self.steps {
+            [] => self.target.slot(thing).into_iter().for_each(self.write),
+            [step, rest @ ..] => {
+                self.steps = rest;
+                let _ = thing.enter(step, self);
+            }
+        }
     }
 
-    /// The owner itself.
-    fn thing(self, model: &Model) -> Option<&dyn Thing> {
-        Some(match self {
-            Self::Scene => model,
-            Self::Image => model.image.as_ref().unwrap_or(&ImageModel::NONE),
-            Self::Outlines => &model.outlines,
-            Self::Camera | Self::NamedCamera(_) => self.camera(model)?,
-            Self::Projection | Self::NamedProjection(_) => self.projection(model)?,
-            Self::Light(index) => model.lights.as_ref()?.get(index)?,
-            Self::Material(_) | Self::Surface(_) => self.material(model)?,
-            Self::Geometry(at) => model.geometry(at)?,
-            Self::ColorBy(_) => self.color_by(model)?,
-            Self::Transform(..) => self.transform(model)?,
-            Self::Rotation(..) => &self.transform(model)?.rotate,
+    fn value<T>(self, _: &mut T) {}
+}
+
+/// A thing that has fields, and the way to it.
+struct Owner<'m> {
+    model: &'m Model,
+    path: Path,
+    thing: &'m dyn Thing,
+}
+
+impl<'m> Owner<'m> {
+    /// Returns the innermost thing on a path.
+    ///
+    /// # Errors
+    ///
+    /// A thing that is not given, and a material that is only a name.
+    fn of(model: &'m Model, steps: &[Step]) -> Result<Self, Diagnostic> {
+        let mut owner = Self {
+            model,
+            path: Path::ROOT,
+            thing: model,
+        };
+        let root = steps.first().and_then(Step::name);
+        if CHANGING.iter().any(|(field, _)| Some(field.name) == root) {
+            while owner.enter(steps)? {}
+        }
+        Ok(owner)
+    }
+
+    /// Returns the steps that are left of those on a path.
+    fn rest<'s>(&self, steps: &'s [Step]) -> &'s [Step] {
+        steps.get(self.path.steps().len()..).unwrap_or_default()
+    }
+
+    /// Goes on to the thing in the next field, or in its list or map; returns false if there is none, or
+    /// if nothing follows it.
+    fn enter(&mut self, steps: &[Step]) -> Result<bool, Diagnostic> {
+        let [step, next, ..] = self.rest(steps) else {
+            return Ok(false);
+        };
+        let mut fields = self.thing.fields().iter();
+        let Some(field) = fields.find(|field| Some(field.name) == step.name()) else {
+            return Ok(false);
+        };
+        let (name, of_type) = (field.name, (field.of_type)());
+        if of_type.innermost().fields().next().is_none() {
+            return Ok(false);
+        }
+        let (mut path, inside) = match self.thing.at(step) {
+            Some((step, inside)) => (self.path.then(step), Some(inside)),
+            None => (self.path.field(name), None),
+        };
+        let thing = match (of_type, inside) {
+            (Type::Map(..), map) => {
+                let Some(key) = next.name() else {
+                    return Ok(false);
+                };
+                let found = map.and_then(|map| map.at(next));
+                let (step, thing) = found.ok_or_else(|| {
+                    let known = map.map(Thing::steps).unwrap_or_default();
+                    let known: Vec<_> = known.iter().filter_map(Step::name).collect();
+                    Diagnostic {
+                        code: Code::UnknownPath,
+                        ..unknown::name(singular(name), key, &known)
+                    }
+                })?;
+                path = path.then(step);
+                thing
+            }
+            (Type::List(..), Some(list)) => {
+                let found = list.at(next);
+                let (step, thing) = found.ok_or_else(|| no_element(name, next, list))?;
+                path = path.then(step);
+                thing
+            }
+            (_, Some(thing)) => thing,
+            (_, None) if name == "image" => &ImageModel::NONE,
+            (_, None) if self.path == Path::ROOT => {
+                return Err(unknown_path(format!("the scene has no `{name}`")));
+            }
+            (_, None) => return Err(self.not_given(name)),
+        };
+        (self.path, self.thing) = (path, thing);
+        match self.material().and_then(MaterialModel::named) {
+            Some(name) => {
+                let message = "this material is a name: nothing in it can change".to_owned();
+                Err(unknown_path(message).with_help(format!("change `materials[{name:?}]`")))
+            }
+            None => Ok(true),
+        }
+    }
+
+    /// Returns the geometry that it is or is in, and the steps from there.
+    fn geometry(&self) -> Option<(&'m GeometryModel, &[Step])> {
+        let (at, count) = self.model.geometry_on(self.path.steps())?;
+        Some((self.model.geometry(at)?, self.path.steps().get(count..)?))
+    }
+
+    /// Returns the material of a geometry, if it is one.
+    fn material(&self) -> Option<&'m MaterialModel> {
+        let (geometry, steps) = self.geometry()?;
+        let is_it = matches!(steps, [step] if step.name() == Some("material"));
+        geometry.surface().material.filter(|_| is_it)
+    }
+
+    /// Returns the transform, if it is one.
+    fn transform(&self) -> Option<&'m TransformModel> {
+        match self.geometry()? {
+            (geometry, [step]) if step.name() == Some("transform") => geometry.transform(),
+            (GeometryModel::Instances(instances), [_, Step::Index(index)]) => {
+                instances.transforms.as_ref()?.get(*index)
+            }
+            _ => None,
+        }
+    }
+
+    fn aspect(&self) -> Aspect {
+        let root = self.path.steps().first().and_then(Step::name);
+        let inside = self.geometry().and_then(|(_, steps)| steps.first());
+        match (root, inside.and_then(Step::name)) {
+            (Some("image" | "outlines"), _) => Aspect::Picture,
+            (Some("camera" | "cameras"), _) => Aspect::Camera,
+            (Some("lights"), _) => Aspect::Light,
+            (Some("materials"), _) | (_, Some("material")) => Aspect::Material,
+            (_, Some("color_by")) => Aspect::ColorBy,
+            (_, Some(_)) => Aspect::Transform,
+            (Some(Model::LONG), None) => Aspect::Geometry,
+            (_, None) => Aspect::Scene,
+        }
+    }
+
+    /// Returns the diagnostic of a field that is not given and has no default.
+    fn not_given(&self, field: &str) -> Diagnostic {
+        let fault = unknown_path(format!("`{field}` is not given: nothing in it can change"));
+        let what = match self.aspect() {
+            Aspect::Camera => "the camera",
+            Aspect::Light => "the light",
+            Aspect::Geometry => "the geometry",
+            Aspect::Transform => "the transform",
+            Aspect::Scene | Aspect::Picture | Aspect::Material | Aspect::ColorBy => "it",
+        };
+        let sets = self.thing.sets();
+        let other = sets.iter().find_map(|(set, _)| set.instead_of(field));
+        fault.with_help(match other {
+            Some(other) => format!("change `{other}`, or give {what} `{field}` instead of it"),
+            None => format!("give {what} `{field}`"),
         })
     }
-
-    /// The same, writable.
-    fn thing_mut(self, model: &mut Model) -> Option<&mut dyn Thing> {
-        Some(match self {
-            Self::Scene => model,
-            Self::Image => model.image.get_or_insert_default(),
-            Self::Outlines => &mut model.outlines,
-            Self::Camera => &mut model.camera,
-            Self::NamedCamera(index) => &mut model.cameras.as_mut()?.0.get_mut(index)?.1,
-            Self::Projection => model.camera.as_mut()?.projection_mut()?,
-            Self::NamedProjection(index) => {
-                let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
-                camera.projection_mut()?
-            }
-            Self::Light(index) => model.lights.as_mut()?.get_mut(index)?,
-            Self::Material(index) => &mut model.materials.as_mut()?.0.get_mut(index)?.1,
-            Self::Geometry(at) => model.geometry_mut(at)?,
-            Self::Surface(at) => model.geometry_mut(at)?.material_mut()?,
-            Self::ColorBy(at) => model.geometry_mut(at)?.color_by_mut()?,
-            Self::Transform(at, instance) => model.geometry_mut(at)?.transform_of_mut(instance)?,
-            Self::Rotation(at, instance) => {
-                let transform = model.geometry_mut(at)?.transform_of_mut(instance)?;
-                &mut transform.rotate
-            }
-        })
-    }
-
-    /// Returns true for a camera or its projection.
-    pub(crate) const fn is_camera(self) -> bool {
-        matches!(
-            self,
-            Self::Camera | Self::NamedCamera(_) | Self::Projection | Self::NamedProjection(_)
-        )
-    }
-
-    /// The projection, if it is one.
-    fn projection(self, model: &Model) -> Option<&ProjectionModel> {
-        self.camera(model)?.projection()
-    }
-
-    /// The camera, if it is one or its projection.
-    pub(crate) fn camera(self, model: &Model) -> Option<&CameraModel> {
-        match self {
-            Self::Camera | Self::Projection => model.camera.as_ref(),
-            Self::NamedCamera(index) | Self::NamedProjection(index) => {
-                Some(&model.cameras.as_ref()?.0.get(index)?.1)
-            }
-            _ => None,
-        }
-    }
-
-    /// The material, if it is one.
-    fn material(self, model: &Model) -> Option<&MaterialModel> {
-        match self {
-            Self::Material(index) => Some(&model.materials.as_ref()?.0.get(index)?.1),
-            Self::Surface(at) => model.geometry(at)?.surface().material,
-            _ => None,
-        }
-    }
-
-    /// The colors by value, if it has some.
-    fn color_by(self, model: &Model) -> Option<&ColorByModel> {
-        match self {
-            Self::ColorBy(at) => model.geometry(at)?.color_by(),
-            _ => None,
-        }
-    }
-
-    /// The transform, if it is one or its rotation.
-    fn transform(self, model: &Model) -> Option<&TransformModel> {
-        match self {
-            Self::Transform(at, instance) | Self::Rotation(at, instance) => {
-                model.geometry(at)?.transform_of(instance)
-            }
-            _ => None,
-        }
-    }
-
-    /// Returns true if it is a transform whose scale is three numbers.
-    fn has_three_scales(self, model: &Model) -> bool {
-        let transform = self.transform(model);
-        transform.is_some_and(|it| matches!(it.scale, Some(ScaleModel::Axes(_))))
-    }
-
-    /// Returns true if a field is given or has a default. The other fields of a matrix are not used.
-    fn has_value(self, model: &Model, field: &str) -> bool {
-        let is_matrix = || self.transform(model).is_some_and(|it| it.matrix.is_some());
-        let is_in_matrix = matches!(self, Self::Transform(..)) && is_matrix();
-        !is_in_matrix && self.thing(model).is_some_and(|thing| thing.has(field))
-    }
 }
 
-/// Returns the owner of the field at a path, and the remaining steps.
-fn owner<'s>(model: &Model, steps: &'s [PathPart]) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
-    let names: Vec<_> = steps.iter().map(PathPart::name).collect();
-    let index = steps.get(1).and_then(PathPart::index);
-    match (&*names, steps, index) {
-        ([Some("image"), _, ..], [_, rest @ ..], _) => Ok((Owner::Image, rest)),
-        ([Some("outlines"), _, ..], [_, rest @ ..], _) => match model.outlines {
-            Some(_) => Ok((Owner::Outlines, rest)),
-            None => Err(unknown_path("the scene has no `outlines`".to_owned())),
-        },
-        ([Some("camera"), _, ..], [_, rest @ ..], _) => match model.camera {
-            Some(_) => inner(model, Owner::Camera, Owner::Projection, rest),
-            None => Err(unknown_path("the scene has no `camera`".to_owned())),
-        },
-        ([Some("cameras"), Some(name), ..], [_, _, rest @ ..], _) => {
-            let cameras = model.cameras.iter().flat_map(|cameras| &cameras.0);
-            let known = cameras.map(|(name, _)| &**name);
-            let index = entry("camera", name, known)?;
-            let projection = Owner::NamedProjection(index);
-            inner(model, Owner::NamedCamera(index), projection, rest)
-        }
-        ([Some("materials"), Some(name), ..], [_, _, rest @ ..], _) => {
-            let materials = model.materials.iter().flat_map(|materials| &materials.0);
-            let known = materials.map(|(name, _)| &**name);
-            Ok((Owner::Material(entry("material", name, known)?), rest))
-        }
-        ([Some("lights"), ..], [_, _, rest @ ..], Some(index)) => Ok((Owner::Light(index), rest)),
-        _ => match unknown::geometry_on(model, steps) {
-            Some((at, rest)) => of_geometry(model, at, rest),
-            None => Ok((Owner::Scene, steps)),
-        },
-    }
+/// Returns what one of several is called.
+fn singular(name: &str) -> &str {
+    name.strip_suffix('s').unwrap_or(name)
 }
 
-/// Returns the projection of a camera and the steps in it, if they lead there, else the camera.
-///
-/// # Errors
-///
-/// A projection that is not given.
-fn inner<'s>(
-    model: &Model,
-    camera: Owner,
-    projection: Owner,
-    steps: &'s [PathPart],
-) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
-    const FIELD: &str = "projection";
-    let has_it = |camera: Owner| camera.fields(model).iter().any(|field| field.name == FIELD);
-    match steps {
-        [field, rest @ ..] if field.name() == Some(FIELD) && !rest.is_empty() && has_it(camera) => {
-            match projection.projection(model) {
-                Some(_) => Ok((projection, rest)),
-                None => Err(not_given(model, camera, FIELD)),
-            }
-        }
-        _ => Ok((camera, steps)),
-    }
-}
-
-/// Returns the owner of the field at the remaining steps in a geometry: the geometry itself, its
-/// material, or its colors by value.
-fn of_geometry<'s>(
-    model: &Model,
-    at: Ordinal,
-    steps: &'s [PathPart],
-) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
-    let owner = Owner::Geometry(at);
-    let [field, rest @ ..] = steps else {
-        return Ok((owner, steps));
-    };
-    match field.name().filter(|_| !rest.is_empty()) {
-        Some("material") => {
-            surface(model, at)?;
-            Ok((Owner::Surface(at), rest))
-        }
-        Some("color_by") => match Owner::ColorBy(at).color_by(model) {
-            Some(_) => Ok((Owner::ColorBy(at), rest)),
-            None => Err(not_given(model, owner, "color_by")),
-        },
-        Some("transform") => transform(model, (at, None), rest),
-        Some(INSTANCES) => instance(model, at, rest),
-        _ => Ok((owner, steps)),
-    }
-}
-
-/// The field of the transforms of instances.
-const INSTANCES: &str = "transforms";
-
-/// Returns the owner of the field at the remaining steps in the list of the transforms of instances.
-fn instance<'s>(
-    model: &Model,
-    at: Ordinal,
-    steps: &'s [PathPart],
-) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
-    let Some(GeometryModel::Instances(instances)) = model.geometry(at) else {
-        return Ok((Owner::Geometry(at), steps));
-    };
-    let Some(transforms) = &instances.transforms else {
-        return Err(not_given(model, Owner::Geometry(at), INSTANCES));
-    };
-    let count = transforms.len();
-    match steps {
-        [element, rest @ ..] => match element.index() {
-            Some(index) if index < count => transform(model, (at, Some(index)), rest),
-            Some(index) => Err(unknown_path(format!(
-                "there is no transform {index}, there are {count}"
-            ))),
-            None => Err(unknown_path(
-                "expected the index of a transform, such as `transforms[0]`".to_owned(),
-            )),
-        },
-        [] => Ok((Owner::Geometry(at), steps)),
-    }
-}
-
-/// Returns the owner of the field at the remaining steps in the transform of a geometry, or of one of
-/// the instances that it is.
-fn transform<'s>(
-    model: &Model,
-    (at, instance): (Ordinal, Option<usize>),
-    steps: &'s [PathPart],
-) -> Result<(Owner, &'s [PathPart]), Diagnostic> {
-    let owner = Owner::Transform(at, instance);
-    let Some(transform) = owner.transform(model) else {
-        return Err(not_given(model, Owner::Geometry(at), "transform"));
-    };
-    match steps {
-        [field, rest @ ..] if field.name() == Some("rotate") && !rest.is_empty() => {
-            match transform.rotate {
-                Some(_) => Ok((Owner::Rotation(at, instance), rest)),
-                None => Err(not_given(model, owner, "rotate")),
-            }
-        }
-        _ => Ok((owner, steps)),
-    }
-}
-
-/// Returns the index of a name in a map.
-fn entry<'m>(
-    kind: &str,
-    name: &str,
-    known: impl Iterator<Item = &'m str>,
-) -> Result<usize, Diagnostic> {
-    let known: Vec<_> = known.collect();
-    let index = known.iter().position(|known| *known == name);
-    index.ok_or_else(|| Diagnostic {
-        code: Code::UnknownPath,
-        ..unknown::name(kind, name, &known)
-    })
-}
-
-/// Rejects the material of a geometry that has none of its own.
-fn surface(model: &Model, at: Ordinal) -> Result<(), Diagnostic> {
-    match Owner::Surface(at).material(model) {
-        None => Err(not_given(model, Owner::Geometry(at), "material")),
-        Some(material) => material.named().map_or(Ok(()), |name| {
-            let message = "this material is a name: nothing in it can change".to_owned();
-            Err(unknown_path(message).with_help(format!("change `materials[{name:?}]`")))
-        }),
-    }
-}
-
-/// Returns the diagnostic of a field that is not given and has no default.
-fn not_given(model: &Model, owner: Owner, field: &str) -> Diagnostic {
-    let fault = unknown_path(format!("`{field}` is not given: nothing in it can change"));
-    let what = match owner {
-        Owner::Camera | Owner::NamedCamera(_) => "the camera",
-        Owner::Light(_) => "the light",
-        Owner::Geometry(_) => "the geometry",
-        Owner::Scene
-        | Owner::Image
-        | Owner::Outlines
-        | Owner::Projection
-        | Owner::NamedProjection(_)
-        | Owner::Material(_)
-        | Owner::Surface(_)
-        | Owner::ColorBy(_)
-        | Owner::Rotation(..) => "it",
-        Owner::Transform(..) => "the transform",
-    };
-    let sets = owner.thing(model).map(Thing::sets).unwrap_or_default();
-    let other = sets.iter().find_map(|(set, _)| set.instead_of(field));
-    fault.with_help(match other {
-        Some(other) => format!("change `{other}`, or give {what} `{field}` instead of it"),
-        None => format!("give {what} `{field}`"),
+/// Returns the diagnostic of an element that a list does not have.
+fn no_element(name: &str, step: &Step, list: &dyn Thing) -> Diagnostic {
+    let (kind, count) = (singular(name), list.steps().len());
+    unknown_path(match step {
+        Step::Index(index) => format!("there is no {kind} {index}, there are {count}"),
+        _ => format!("expected the index of a {kind}, such as `{name}[0]`"),
     })
 }
 

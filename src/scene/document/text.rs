@@ -1,7 +1,7 @@
 //! Operations on the text of a document: formatting, fixes, edits, and conversion between offsets
 //! and paths.
 
-use std::{ops::Range, ptr, sync::Arc};
+use std::{ops::Range, sync::Arc};
 
 use crate::{
     diagnostic::{
@@ -10,7 +10,7 @@ use crate::{
     },
     parallel::timings::Timings,
     scene::{
-        animation::{frames::Frames, target::Target},
+        animation::frames::Frames,
         check::check,
         convert::{self, LostComments},
         document::Document,
@@ -174,9 +174,7 @@ impl Document {
             };
             let path = Model::path_of_camera(name);
             let changes = frames.iter().flat_map(Frames::targets);
-            let owner = |target: &Target| target.owner.camera(&model);
-            let mut changes = changes
-                .filter(|(_, target)| owner(target).is_some_and(|other| ptr::eq(other, camera)));
+            let mut changes = changes.filter(|(_, target)| target.owner.is_in(&path));
             if let Some((track, _)) = changes.next() {
                 return Err(refused(format!(
                     "{}: `{path}` cannot become one camera, because the track `{track}` changes it; \

@@ -168,14 +168,6 @@ impl CameraModel {
             Self::Perspective(_) | Self::Orthographic(_) => None,
         }
     }
-
-    /// The same, writable.
-    pub(crate) const fn projection_mut(&mut self) -> Option<&mut ProjectionModel> {
-        match self {
-            Self::Fit(camera) => camera.projection.as_mut(),
-            Self::Perspective(_) | Self::Orthographic(_) => None,
-        }
-    }
 }
 
 #[cfg(test)]

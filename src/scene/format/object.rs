@@ -180,7 +180,7 @@ macro_rules! object {
                 }
 
                 #[allow(unused_variables, reason = "nothing may be inside")]
-                fn things(&self, see: thing::See) -> std::ops::ControlFlow<()> {
+                fn things<'m>(&'m self, see: thing::See<'_, 'm>) -> std::ops::ControlFlow<()> {
                     $(object::object!(@if_thing $kind {
                         if thing::Thing::is_given(&self.$field) {
                             let step = stringify!($field).into();

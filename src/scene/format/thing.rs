@@ -236,7 +236,7 @@ pub(crate) struct Words {
 }
 
 /// What a visitor of the things inside of another one sees; it may end the visit.
-pub(crate) type See<'a> = &'a mut dyn FnMut(Step, &dyn Thing) -> ControlFlow<()>;
+pub(crate) type See<'a, 'm> = &'a mut dyn FnMut(Step, &'m dyn Thing) -> ControlFlow<()>;
 
 /// A thing that can be read and written.
 pub(crate) trait Record: Thing + Serialize + DeserializeOwned {}
@@ -289,7 +289,30 @@ pub(crate) trait Thing {
     }
 
     /// Calls `see` with each thing inside of it.
-    fn things(&self, see: See) -> ControlFlow<()>;
+    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()>;
+
+    /// Returns the steps to the things inside of it.
+    fn steps(&self) -> Vec<Step> {
+        let mut steps = Vec::new();
+        let _ = self.things(&mut |step, _| {
+            steps.push(step);
+            ControlFlow::Continue(())
+        });
+        steps
+    }
+
+    /// Returns the thing inside of it that a step leads to, and the step.
+    fn at<'m>(&'m self, step: &Step) -> Option<(Step, &'m dyn Thing)> {
+        let mut found = None;
+        let _ = self.things(&mut |other, thing| {
+            if !other.leads_as(step) {
+                return ControlFlow::Continue(());
+            }
+            found = Some((other, thing));
+            ControlFlow::Break(())
+        });
+        found
+    }
 
     /// Returns false for an optional thing that is not given.
     fn is_given(&self) -> bool {
@@ -330,9 +353,16 @@ impl<T: Record> Thing for Vec<T> {
         }
     }
 
-    fn things(&self, see: See) -> ControlFlow<()> {
+    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
         let mut items = self.iter().enumerate();
         items.try_for_each(|(index, item)| see(Step::Index(index), item))
+    }
+
+    fn at<'m>(&'m self, step: &Step) -> Option<(Step, &'m dyn Thing)> {
+        match step {
+            Step::Index(index) => Some((step.clone(), self.get(*index)?)),
+            _ => None,
+        }
     }
 }
 
@@ -355,7 +385,7 @@ impl<T: Record + for<'de> Entry<'de>> Thing for Map<T> {
         self.0.len() < count
     }
 
-    fn things(&self, see: See) -> ControlFlow<()> {
+    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
         let mut entries = self.0.iter();
         entries.try_for_each(|(name, item)| see(Step::Key((&**name).into()), item))
     }
@@ -391,7 +421,7 @@ macro_rules! forward {
                 T::slot($writable, field)
             }
 
-            fn things(&self, see: See) -> ControlFlow<()> {
+            fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
                 (**self).things(see)
             }
 
@@ -425,6 +455,10 @@ impl<T: Thing> Thing for Option<T> {
         }
     }
 
+    fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
+        self.as_ref().map(T::sets).unwrap_or_default()
+    }
+
     fn has(&self, field: &str) -> bool {
         self.as_ref().is_some_and(|thing| thing.has(field))
     }
@@ -433,9 +467,13 @@ impl<T: Thing> Thing for Option<T> {
         self.as_mut()?.slot(field)
     }
 
-    fn things(&self, see: See) -> ControlFlow<()> {
+    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
         self.as_ref()
             .map_or(ControlFlow::Continue(()), |thing| thing.things(see))
+    }
+
+    fn at<'m>(&'m self, step: &Step) -> Option<(Step, &'m dyn Thing)> {
+        self.as_ref()?.at(step)
     }
 
     fn is_given(&self) -> bool {

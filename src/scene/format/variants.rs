@@ -83,7 +83,7 @@ macro_rules! variants {
                     }
                 }
 
-                fn things(&self, see: thing::See) -> std::ops::ControlFlow<()> {
+                fn things<'m>(&'m self, see: thing::See<'_, 'm>) -> std::ops::ControlFlow<()> {
                     match self {
                         $(Self::$variant(thing) => thing.things(see)),*
                     }

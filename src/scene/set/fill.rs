@@ -1,9 +1,6 @@
 //! The way of a setting: from the root of a model to the value, which is read there as in a file.
 
-use std::{
-    borrow::Cow,
-    ops::{ControlFlow, Range},
-};
+use std::{borrow::Cow, ops::Range};
 
 use serde::{Serialize, de::DeserializeOwned};
 
@@ -264,11 +261,7 @@ impl<'a> Fill<'a> {
 
     /// Returns the diagnostic of the next step, which leads nowhere in a thing.
     fn nowhere<T: Record>(&self, thing: &T, part: &PathPart) -> Vec<Diagnostic> {
-        let mut steps = Vec::new();
-        let _ = thing.things(&mut |step, _| {
-            steps.push(step);
-            ControlFlow::Continue(())
-        });
+        let steps = thing.steps();
         let fields: Vec<_> = thing.fields().iter().map(|field| field.name).collect();
         vec![match (T::of_type(), &part.step) {
             (Type::List(..), Step::Index(at)) => no_element(part, *at, steps.len()),

@@ -12,7 +12,7 @@ use crate::{
     scene::{
         animation::{
             frames::Frames,
-            target::{Owner, Target},
+            target::{Aspect, Target},
         },
         format::{
             animation::{Interpolation, Key, Track},
@@ -73,7 +73,7 @@ impl Found {
                 Ok(target) => {
                     let orbits = orbit.is_some() && target.is_turned_by_orbit();
                     self.extend(orbits.then(|| against_orbit(path)));
-                    self.extend(earlier.add(path, target));
+                    self.extend(earlier.add(path, &target));
                     self.track(&target, track, &place);
                 }
                 Err(fault) => {
@@ -202,38 +202,26 @@ impl Found {
     pub(super) fn frames(&mut self, model: &Model, frames: &Frames) {
         let mut owners = Vec::new();
         if frames.orbit_cameras() {
-            owners.extend(model.camera.as_ref().map(|_| Owner::Camera));
-            let named = model.cameras.as_ref().map_or(0, |cameras| cameras.0.len());
-            owners.extend((0..named).map(Owner::NamedCamera));
+            let cameras = model.all_cameras();
+            owners.extend(cameras.map(|(name, _)| (Aspect::Camera, Model::path_of_camera(name))));
         }
         for (_, target) in frames.targets() {
-            let is_watched = match target.owner {
-                Owner::Camera
-                | Owner::NamedCamera(_)
-                | Owner::Projection
-                | Owner::NamedProjection(_) => true,
+            let is_watched = match target.aspect {
+                Aspect::Camera => true,
                 // The numbers of a direction may all be 0 at once, and two points may meet; all other
                 // values stay between their keys.
-                Owner::Geometry(_) => {
-                    matches!(
-                        target.kind,
-                        FieldKind::Direction | FieldKind::Point | FieldKind::Way
-                    )
-                }
+                Aspect::Geometry => target.kind.is_vector(),
                 // One end of a range may pass the other.
-                Owner::ColorBy(_) => target.component.is_some(),
+                Aspect::ColorBy => target.component.is_some(),
                 // A scale may be 0 between a positive and a negative one.
-                Owner::Transform(..) | Owner::Rotation(..) => target.kind != FieldKind::Point,
+                Aspect::Transform => target.kind != FieldKind::Point,
                 // A light may meet the point that it is aimed at.
-                Owner::Light(_) => matches!(target.kind, FieldKind::Direction | FieldKind::Point),
-                Owner::Scene
-                | Owner::Image
-                | Owner::Outlines
-                | Owner::Material(_)
-                | Owner::Surface(_) => false,
+                Aspect::Light => matches!(target.kind, FieldKind::Direction | FieldKind::Point),
+                Aspect::Scene | Aspect::Picture | Aspect::Material => false,
             };
-            if is_watched && !owners.contains(&target.owner) {
-                owners.push(target.owner);
+            let owner = (target.aspect, target.owner.clone());
+            if is_watched && !owners.contains(&owner) {
+                owners.push(owner);
             }
         }
         let mut shown = frames.copy(model);
@@ -243,9 +231,9 @@ impl Found {
             }
             frames.show(number, &mut shown);
             owners.retain(|owner| {
-                let fault = fault_of(*owner, &shown);
+                let fault = fault_of(owner, &shown);
                 let is_fine = fault.is_none();
-                let placed = fault.and_then(|fault| at_frame(fault, *owner, frames, number));
+                let placed = fault.and_then(|fault| at_frame(fault, owner, frames, number));
                 self.extend(placed);
                 is_fine
             });
@@ -254,34 +242,44 @@ impl Found {
 }
 
 /// The first error of a camera, a light or a geometry.
-fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
+fn fault_of((aspect, owner): &(Aspect, Path), model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
-    if let Some(camera) = owner.camera(model) {
+    let mut cameras = model.all_cameras();
+    let camera = cameras.find(|(name, _)| owner.is_in(&Model::path_of_camera(*name)));
+    if let Some((_, camera)) = camera {
         found.camera(camera, Model::path_of_camera(None));
-    } else if let Owner::Geometry(at) | Owner::Transform(at, _) | Owner::Rotation(at, _) = owner
+    } else if let Some((at, _)) = model.geometry_on(owner.steps())
         && let Some(geometry) = model.geometry(at)
     {
-        found.geometry(geometry, at, model);
-    } else if let Owner::Light(index) = owner
+        match aspect {
+            Aspect::ColorBy => found.color_by(geometry, at, model),
+            _ => found.geometry(geometry, at, model),
+        }
+    } else if let [_, Step::Index(index)] = *owner.steps()
         && let Some(light) = model.lights.as_ref().and_then(|lights| lights.get(index))
     {
         found.light(light, index);
-    } else if let Owner::ColorBy(at) = owner
-        && let Some(geometry) = model.geometry(at)
-    {
-        found.color_by(geometry, at, model);
     }
     found.list.into_iter().find(Problem::is_error)
 }
 
 /// Moves a fault at a frame to the track that causes it, or to the orbit.
-fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
+fn at_frame(
+    fault: Problem,
+    (aspect, owner): &(Aspect, Path),
+    frames: &Frames,
+    number: u32,
+) -> Option<Problem> {
     let fault = fault.diagnostic;
     let field = fault.path.steps().last().and_then(Step::name);
     let is_cause = |target: &Target| field == Some(target.field);
-    let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
+    let of_owner = || {
+        frames
+            .targets()
+            .filter(|(_, target)| target.owner == *owner)
+    };
     let cause = of_owner().find(|(_, target)| is_cause(target));
-    let orbits = frames.orbit_cameras() && owner.is_camera();
+    let orbits = frames.orbit_cameras() && *aspect == Aspect::Camera;
     let place = match cause {
         None if orbits => path_of_orbit(),
         cause => path_of_track(cause.or_else(|| of_owner().next())?.0),
@@ -294,15 +292,16 @@ fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Optio
 
 /// The changes of the tracks so far, by field.
 #[derive(Default)]
-struct Earlier<'a>(HashMap<(Owner, &'static str), Vec<Changed<'a>>>);
+struct Earlier<'a>(HashMap<(Path, &'static str), Vec<Changed<'a>>>);
 
 /// One number of a field or, with `None`, all of it, and the path of the track.
 type Changed<'a> = (Option<usize>, &'a str);
 
 impl<'a> Earlier<'a> {
     /// Adds a track; it is a problem if another track already changes the same value.
-    fn add(&mut self, path: &'a str, target: Target) -> Option<Problem> {
-        let tracks = self.0.entry((target.owner, target.field)).or_default();
+    fn add(&mut self, path: &'a str, target: &Target) -> Option<Problem> {
+        let value = (target.owner.clone(), target.field);
+        let tracks = self.0.entry(value).or_default();
         let one = target.component;
         let mut others = tracks.iter();
         let other = others.find(|(other, _)| one.is_none() || other.is_none() || *other == one);

@@ -16,7 +16,7 @@ use crate::{
         animation::target::Target,
         assist::{paths::paths, spot::Finder},
         convert,
-        format::{field::FieldKind, scene::Model, thing::Thing},
+        format::{field::FieldKind, geometry::GeometryModel, scene::Model, thing::Thing},
         locate::{path_at, range_of},
         schema::schema,
         set::{Applied, Setting},
@@ -69,7 +69,12 @@ fn is_matrix(model: &Model, path: &Path) -> bool {
     };
     let transform = model
         .geometry(at)
-        .and_then(|geometry| geometry.transform_of(index));
+        .and_then(|geometry| match (geometry, index) {
+            (GeometryModel::Instances(instances), Some(index)) => {
+                instances.transforms.as_ref()?.get(index)
+            }
+            (geometry, _) => geometry.transform(),
+        });
     transform.is_some_and(|transform| transform.matrix.is_some())
 }
 

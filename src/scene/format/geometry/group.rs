@@ -37,8 +37,4 @@ impl GeometryKind for GroupModel {
     fn transform(&self) -> Option<&TransformModel> {
         self.transform.as_deref()
     }
-
-    fn transform_mut(&mut self) -> Option<&mut TransformModel> {
-        self.transform.as_deref_mut()
-    }
 }

@@ -2,7 +2,6 @@
 
 use crate::{
     scene::format::{
-        color_by::ColorByModel,
         geometry::{GeometryModel, clash::Clash, nesting::Inside, table::TableModel},
         transform::TransformModel,
     },
@@ -63,19 +62,9 @@ pub(super) trait GeometryKind {
         None
     }
 
-    /// Returns its colors by value, writable.
-    fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        None
-    }
-
     /// Its transform.
     #[inline]
     fn transform(&self) -> Option<&TransformModel> {
-        None
-    }
-
-    /// Its transform, writable.
-    fn transform_mut(&mut self) -> Option<&mut TransformModel> {
         None
     }
 }

@@ -130,10 +130,6 @@ impl GeometryKind for MeshModel {
         clashes
     }
 
-    fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        self.color_by.as_mut()
-    }
-
     fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
         self.vertices().iter().flatten().for_each(|x| see(*x));
         let count = self.vertices().len();

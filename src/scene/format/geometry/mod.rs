@@ -43,8 +43,6 @@ pub use self::{
     triangle::TriangleModel,
 };
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
@@ -52,7 +50,7 @@ use crate::{
         color_by::ColorByModel,
         field::{Name, Value},
         geometry::{clash::Clash, kind::GeometryKind, nesting::Inside, table::TableModel},
-        material::{MaterialModel, Materials, Surface},
+        material::{Materials, Surface},
         thing::Thing,
         transform::TransformModel,
         variants::variants,
@@ -161,11 +159,6 @@ impl GeometryModel {
         }, Bare(_) => Surface { color: None, material: None })
     }
 
-    /// Returns its material, writable.
-    pub(crate) fn material_mut(&mut self) -> Option<&mut MaterialModel> {
-        of_each!(self, geometry => geometry.material.as_mut().map(Arc::make_mut), Bare(_) => None)
-    }
-
     /// Shares the material of another geometry if the two are equal: a million geometries hold one.
     #[inline]
     pub(crate) fn share_material(&mut self, other: &Self) {
@@ -265,11 +258,6 @@ impl GeometryModel {
         of_each!(self, geometry => geometry.more_numbers(&mut see));
     }
 
-    /// Returns its colors by value, writable.
-    pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        of_each!(self, geometry => geometry.color_by_mut())
-    }
-
     /// Returns its colors by value.
     #[inline]
     pub(crate) fn color_by(&self) -> Option<&ColorByModel> {
@@ -343,34 +331,6 @@ impl GeometryModel {
     /// Its transform.
     pub(crate) fn transform(&self) -> Option<&TransformModel> {
         of_each!(self, geometry => geometry.transform())
-    }
-
-    /// Its transform, writable.
-    pub(crate) fn transform_mut(&mut self) -> Option<&mut TransformModel> {
-        of_each!(self, geometry => geometry.transform_mut())
-    }
-
-    /// Its transform, or that of one of the instances that it is.
-    pub(crate) fn transform_of(&self, instance: Option<usize>) -> Option<&TransformModel> {
-        match (self, instance) {
-            (Self::Instances(instances), Some(index)) => instances.transforms.as_ref()?.get(index),
-            (_, Some(_)) => None,
-            (_, None) => self.transform(),
-        }
-    }
-
-    /// The same, writable.
-    pub(crate) fn transform_of_mut(
-        &mut self,
-        instance: Option<usize>,
-    ) -> Option<&mut TransformModel> {
-        match (self, instance) {
-            (Self::Instances(instances), Some(index)) => {
-                instances.transforms.as_mut()?.get_mut(index)
-            }
-            (_, Some(_)) => None,
-            (other, None) => other.transform_mut(),
-        }
     }
 
     /// The path of the file that it names.

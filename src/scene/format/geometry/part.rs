@@ -25,8 +25,4 @@ impl GeometryKind for PartModel {
     fn transform(&self) -> Option<&TransformModel> {
         self.transform.as_deref()
     }
-
-    fn transform_mut(&mut self) -> Option<&mut TransformModel> {
-        self.transform.as_deref_mut()
-    }
 }

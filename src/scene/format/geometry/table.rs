@@ -41,10 +41,6 @@ macro_rules! table {
                     material: self.material.as_deref(),
                 })
             }
-
-            fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-                self.color_by.as_mut()
-            }
         }
     };
 }

@@ -21,7 +21,7 @@ impl Thing for NamedModel {
         Type::NameOfMaterial
     }
 
-    fn things(&self, _: See) -> ControlFlow<()> {
+    fn things<'m>(&'m self, _: See<'_, 'm>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
