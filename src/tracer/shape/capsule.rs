@@ -18,6 +18,9 @@ use crate::tracer::{
 /// All points at the distance `r` from the line between a point `a` and a point `b`.
 ///
 /// Face 0 is the side, 1 the round end at `a` and 2 the one at `b`.
+///
+/// A ray enters where it first enters the side, between the ends, or a ball at an end, and comes out
+/// where it last comes out of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     axis: Axis,
@@ -127,6 +130,7 @@ impl Capsule {
 }
 
 impl Convex for Capsule {
+    #[inline]
     fn hull(&self) -> &Around {
         &self.around
     }

@@ -21,6 +21,9 @@ use crate::tracer::{
 ///
 /// A capped one is closed by two flat caps. One that is not capped is open, and seen from both sides.
 /// Face 0 is the side, 1 the cap at `a` and 2 the cap at `b`.
+///
+/// The equations are those of the manual of the format. The double cone is cut by the planes of the
+/// two ends, so that its other half is never hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     axis: Axis,
@@ -219,6 +222,7 @@ impl Cone {
 }
 
 impl Convex for Cone {
+    #[inline]
     fn hull(&self) -> &Around {
         &self.around
     }

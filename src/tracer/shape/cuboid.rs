@@ -18,6 +18,9 @@ use crate::tracer::{
 /// All points between two corners, on each axis: a `Box` in a file.
 ///
 /// Faces 0 and 1 are the lower and the upper end along x, 2 and 3 along y, 4 and 5 along z.
+///
+/// On each axis, a ray is between the planes from `(min - o)/d` to `(max - o)/d` or the other way
+/// around.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     min: DVec3,
@@ -125,6 +128,7 @@ impl Cuboid {
 }
 
 impl Convex for Cuboid {
+    #[inline]
     fn hull(&self) -> &Around {
         &self.around
     }

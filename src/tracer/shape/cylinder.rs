@@ -20,6 +20,10 @@ use crate::tracer::{
 ///
 /// A capped one is closed by two flat caps. One that is not capped is an open tube, seen from both
 /// sides. Face 0 is the side, 1 the cap at `a` and 2 the cap at `b`.
+///
+/// With the unit vector `w` along the axis, `q = (o - a) - ((o - a)·w)·w` and `e = d - (d·w)·w`, a
+/// ray is inside the side where `|q + t·e| ≤ r`, and between the ends from `((a - o)·w)/(d·w)` to
+/// `((b - o)·w)/(d·w)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     axis: Axis,
@@ -139,6 +143,7 @@ impl Cylinder {
 }
 
 impl Convex for Cylinder {
+    #[inline]
     fn hull(&self) -> &Around {
         &self.around
     }

@@ -18,6 +18,9 @@ use crate::tracer::{
 /// radius `r`.
 ///
 /// The normal is used as given and need not be of unit length. A disc is visible from both sides.
+///
+/// A ray `o + t·d` meets it at the `t = ((a - o)·n) / (d·n)` of its plane if that point `p` has
+/// `|p - a|² <= r²`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     /// The plane of the disc; its point is the center.

@@ -17,6 +17,9 @@ use crate::tracer::{
 
 /// All points `c + x·a + y·b + z·c'` with `x² + y² + z² = 1`, for a center `c` and three half axes
 /// that are perpendicular to each other.
+///
+/// A ray meets it as it meets a ball of radius 1 in the coordinates of the axes, `(v·a)/(a·a)` for
+/// each axis `a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     center: DVec3,
@@ -144,6 +147,7 @@ impl Ellipsoid {
 }
 
 impl Convex for Ellipsoid {
+    #[inline]
     fn hull(&self) -> &Around {
         &self.around
     }

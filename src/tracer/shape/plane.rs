@@ -18,6 +18,8 @@ use crate::tracer::{
 /// A plane: all points `p` with `(p - a)·n = 0`, for a point `a` and a normal `n`.
 ///
 /// The normal is used as given and need not be of unit length. A plane is visible from both sides.
+///
+/// A ray `o + t·d` meets it at `t = ((a - o)·n) / (d·n)`, unless `d·n` is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     point: DVec3,

@@ -22,6 +22,9 @@ use crate::tracer::{
 /// Its normal is `u × v`. Its edges are those of two triangles, so that there are no gaps where
 /// rectangles and triangles share one; its `t` is that of its plane, so that of two rectangles in one
 /// plane along the axes, the first is seen.
+///
+/// A ray meets it where it meets its plane, if it hits the triangle `a`, `a + u`, `(a + u) + v` or
+/// `a`, `(a + u) + v`, `a + v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     edges: [DVec3; 2],
