@@ -36,9 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let floor = PlaneModel {
         point: [0.0, -1.0, 0.0],
-        normal: Box::new([0.0, 1.0, 0.0]),
+        normal: [0.0, 1.0, 0.0],
         color: Some(ColorModel::Channels([0.2, 0.2, 0.25])),
         material: None,
+        transform: None,
         name: None,
     };
     let balls = (0..60_u8).map(|index| {
@@ -52,6 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             radius: 0.25,
             color: None,
             material: Some(Arc::new(shiny(ColorModel::Hex([255, 4 * index, 40])))),
+            transform: None,
             name: None,
         })
     });
@@ -60,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         camera: Some(CameraModel::Perspective(camera)),
         background: Some(ColorModel::Hex([16, 16, 32])),
         lights: Some(vec![LightModel::Headlight(HeadlightLightModel::default())]),
-        geometries: [GeometryModel::Plane(floor)]
+        geometries: [GeometryModel::Plane(Box::new(floor))]
             .into_iter()
             .chain(balls)
             .collect(),

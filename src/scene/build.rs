@@ -91,7 +91,11 @@ pub(crate) fn geometries(
         .enumerate()
         .filter_map(|(index, mut model)| {
             origins.add_name(index, model.take_name());
-            let built = model.build(materials);
+            let mut built = model.build(materials);
+            if model.transform().is_some() {
+                let placement = Placement::default().within(model.transform());
+                built = built.map(|built| built.and_then(|built| placed(built, &placement)));
+            }
             match built {
                 Some(_) => count += 1,
                 None => several.push((count, index, model)),
@@ -280,6 +284,7 @@ impl Builder<'_> {
         placement: &Placement,
     ) -> Result<(Range<usize>, SpanContent), GeometryError> {
         let first = self.ids;
+        let placement = &placement.within(model.transform());
         let found = self.tables.take(*at);
         if let Some(content) = &found {
             let (materials, all) = (self.materials, &mut self.all);
@@ -299,8 +304,7 @@ impl Builder<'_> {
                 SpanContent::Instances(Arc::clone(&instances.of), table)
             }
             (None, GeometryModel::Group(group)) => {
-                let placement = placement.within(group.transform.as_deref());
-                SpanContent::Group(self.group(group, at, origin, &placement)?)
+                SpanContent::Group(self.group(group, at, origin, placement)?)
             }
             // A table or a part that was not read, or copies of nothing.
             (None, _) => SpanContent::Group(Origins::default()),
@@ -325,8 +329,8 @@ impl Builder<'_> {
             origins.add_name(index, model.take_name());
             match model.build(self.materials) {
                 Some(geometry) => {
-                    self.all
-                        .push(geometry?.map_shape(|shape| placement.place(shape))?);
+                    let placement = placement.within(model.transform());
+                    self.all.push(placed(geometry?, &placement)?);
                     self.ids += 1;
                     at.inner += model.total() - 1;
                 }
@@ -360,9 +364,14 @@ fn add_leaf(
         );
     }
     if let Some(built) = leaf.geometry.build(materials) {
-        all.push(built?.map_shape(|shape| leaf.placement.place(shape))?);
+        all.push(placed(built?, &leaf.placement)?);
     }
     Ok(None)
+}
+
+/// Places a geometry.
+fn placed(geometry: Geometry, placement: &Placement) -> Result<Geometry, GeometryError> {
+    geometry.map_shape(|shape| placement.place(shape))
 }
 
 /// Adds the geometries of a file or the copies that a geometry names. Returns the values of a table
@@ -464,6 +473,7 @@ mod tests {
                 radius: 1.0,
                 color: Some(ColorModel::BLACK),
                 material: None,
+                transform: None,
                 name: (index == 5).then(|| Box::new("five".into())),
             })
         };

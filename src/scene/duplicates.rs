@@ -138,7 +138,7 @@ fn hash(geometry: &GeometryModel, placement: &Placement) -> Option<NonZeroU64> {
         add(bits(number));
     };
     geometry.numbers(&mut see);
-    place(geometry, placement, see).ok()?;
+    place(placement, see).ok()?;
     if let Some(file) = geometry.file() {
         file.bytes().map(u64::from).for_each(add);
     }
@@ -146,19 +146,13 @@ fn hash(geometry: &GeometryModel, placement: &Placement) -> Option<NonZeroU64> {
     NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
-/// Calls `see` with each number of the matrix that places a geometry, or what a part holds, if there
-/// are transforms.
+/// Calls `see` with each number of the matrix that places a geometry, if there are transforms.
 ///
 /// # Errors
 ///
 /// A transform that is invalid.
 #[inline]
-fn place(
-    geometry: &GeometryModel,
-    placement: &Placement,
-    mut see: impl FnMut(f64),
-) -> Result<(), GeometryError> {
-    let placement = placement.within(geometry.transform());
+fn place(placement: &Placement, mut see: impl FnMut(f64)) -> Result<(), GeometryError> {
     if let Some(transform) = placement.transform()? {
         let rows = transform.rows();
         rows.iter().flatten().for_each(|number| see(*number));
@@ -175,7 +169,7 @@ fn numbers<'m>(
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
     // One that is invalid has no hash.
-    let _ = place(geometry, placement, |number| numbers.push(bits(number)));
+    let _ = place(placement, |number| numbers.push(bits(number)));
     (mem::discriminant(geometry), numbers, geometry.file())
 }
 
@@ -198,18 +192,20 @@ mod tests {
             radius,
             color: Some(ColorModel::Hex([grey; 3])),
             material: None,
+            transform: None,
             name: None,
         })
     }
 
     fn plane(point: [f64; 3], normal: [f64; 3]) -> GeometryModel {
-        GeometryModel::Plane(PlaneModel {
+        GeometryModel::Plane(Box::new(PlaneModel {
             point,
-            normal: normal.into(),
+            normal,
             color: Some(ColorModel::Hex([0; 3])),
             material: None,
+            transform: None,
             name: None,
-        })
+        }))
     }
 
     fn found(geometries: Vec<GeometryModel>) -> Vec<(usize, usize)> {

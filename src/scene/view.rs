@@ -237,19 +237,21 @@ mod tests {
             radius,
             color: Some(WHITE),
             material: None,
+            transform: None,
             name: None,
         });
         view.certainly_misses(&leaf(&sphere), &Tables::default())
     }
 
     fn misses_plane(view: &ViewSpace, point: [f64; 3], normal: [f64; 3]) -> bool {
-        let plane = GeometryModel::Plane(PlaneModel {
+        let plane = GeometryModel::Plane(Box::new(PlaneModel {
             point,
-            normal: normal.into(),
+            normal,
             color: Some(WHITE),
             material: None,
+            transform: None,
             name: None,
-        });
+        }));
         view.certainly_misses(&leaf(&plane), &Tables::default())
     }
 

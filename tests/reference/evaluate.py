@@ -218,39 +218,43 @@ def read_scene(path):
 
 
 def read_list(scene, listed, path):
-    """The geometries of a list, those of groups, tables and parts in their places."""
+    """The geometries of a list, those of groups, tables and parts in their places, each placed by the
+    transforms around it."""
     geometries = []
     for geometry in listed:
-        name, fields = variant(geometry)
-        if name in tables.KINDS:
-            geometries += tables.geometries(name, fields, os.path.dirname(path))
-        elif name == "Mesh" and "file" in fields:
-            geometries.append({name: meshes.read(fields, os.path.dirname(path))})
-        elif name == "Group":
-            matrix = transform(optional(fields, "transform", {}))
-            lit = len(optional(scene, "lights", []))
-            inner = read_list(scene, fields["geometries"], path)
-            geometries += (placed(geometry, matrix) for geometry in inner)
-            lights = optional(scene, "lights", [])
-            lights[lit:] = [placed_light(light, matrix) for light in lights[lit:]]
-        elif name == "Instances":
-            lit = optional(scene, "lights", [])
-            inner = read_list(scene, [named_geometry(scene["geometries"], fields["of"])], path)
-            scene["lights"] = lit
-            for matrix in matrices_of(fields, os.path.dirname(path)):
-                geometries += (placed(geometry, matrix) for geometry in inner)
-        elif name == "Part":
-            part = read_scene(os.path.join(os.path.dirname(path), fields["file"]))
-            named = optional(part, "materials", {})
-            matrix = transform(optional(fields, "transform", {}))
-            inner = (with_material(inner, named) for inner in part["geometries"])
-            geometries += (placed(geometry, matrix) for geometry in inner)
-            if optional(fields, "lights", False) and part.get("lights") is not None:
-                lights = [placed_light(light, matrix) for light in part["lights"]]
-                scene["lights"] = optional(scene, "lights", []) + lights
-        else:
-            geometries.append(geometry)
+        lit = len(optional(scene, "lights", []))
+        _, fields = variant(geometry)
+        matrix = transform(optional(fields, "transform", {}))
+        geometries += (placed(inner, matrix) for inner in read_inner(scene, geometry, path))
+        lights = optional(scene, "lights", [])
+        lights[lit:] = [placed_light(light, matrix) for light in lights[lit:]]
     return geometries
+
+
+def read_inner(scene, geometry, path):
+    """What stands in the place of a geometry, before its transform."""
+    import solids
+
+    name, fields = variant(geometry)
+    folder = os.path.dirname(path)
+    if name in tables.KINDS:
+        return tables.geometries(name, fields, folder)
+    if name == "Mesh" and "file" in fields:
+        return [{name: meshes.read(fields, folder)}]
+    if name == "Group":
+        return read_list(scene, fields["geometries"], path)
+    if name == "Instances":
+        lit = optional(scene, "lights", [])
+        inner = read_list(scene, [named_geometry(scene["geometries"], fields["of"])], path)
+        scene["lights"] = lit
+        return [placed(each, matrix) for matrix in matrices_of(fields, folder) for each in inner]
+    if name == "Part":
+        part = read_scene(os.path.join(folder, fields["file"]))
+        named = optional(part, "materials", {})
+        if optional(fields, "lights", False) and part.get("lights") is not None:
+            scene["lights"] = optional(scene, "lights", []) + part["lights"]
+        return [with_material(inner, named) for inner in part["geometries"]]
+    return [solids.with_places(geometry) if name in solids.COMBINED else geometry]
 
 
 def named_geometry(listed, wanted):
@@ -333,11 +337,12 @@ def times(rows, v):
 def placed(geometry, matrix):
     """Returns a geometry that is mapped by a matrix after its own."""
     name, fields = variant(geometry)
+    bare = {key: fields[key] for key in fields if key not in ("placed", "transform")}
     if "placed" in fields:
         matrix = product(matrix, fields["placed"])
     if matrix == ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)):
-        return {name: {key: fields[key] for key in fields if key != "placed"}}
-    return {name: {**fields, "placed": matrix}}
+        return {name: bare}
+    return {name: bare | {"placed": matrix}}
 
 
 def placed_light(light, matrix):
@@ -508,16 +513,22 @@ def shape_of(name, fields):
     hit = solids.combined(name, fields) if is_combined else (SHAPES | shapes.SHAPES)[name](fields)
     if "placed" not in fields:
         return hit
-    back = inverse(fields["placed"])
-    shift = tuple(row[3] for row in fields["placed"])
+    back = ray_back(fields["placed"])
 
     def from_outside(o, d):
-        return hit(times(back, subtract(o, shift)), times(back, d))
+        return hit(*back(o, d))
 
     if hasattr(hit, "color"):
         color = hit.color
-        from_outside.color = lambda o, d: color(times(back, subtract(o, shift)), times(back, d))
+        from_outside.color = lambda o, d: color(*back(o, d))
     return from_outside
+
+
+def ray_back(matrix):
+    """Returns the function from a ray to that before a matrix maps it."""
+    back = inverse(matrix)
+    shift = tuple(row[3] for row in matrix)
+    return lambda o, d: (times(back, subtract(o, shift)), times(back, d))
 
 
 def size_of(scene):

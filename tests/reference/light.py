@@ -311,7 +311,7 @@ class Whole:
     def numbered(self, name, fields, is_cut, around):
         """Returns a solid whose parts have numbers from 1 in place of colors."""
         own = {key: fields[key] for key in ("color", "material") if fields.get(key) is not None} or around
-        bare = {key: fields[key] for key in fields if key not in ("color", "material", "placed")}
+        bare = {key: fields[key] for key in fields if key not in ("color", "material")}
         if name not in solids.COMBINED:
             self.parts.append((shape_of(name, bare), is_cut, own))
             return name, bare | {"color": len(self.parts)}
@@ -371,7 +371,7 @@ def at_start(t, own):
 
 def pieces(name, fields):
     """Returns the parts of a solid that is put together from others, each with the fields of its color."""
-    whole = Whole(name, fields)
+    whole = Whole(name, {key: fields[key] for key in fields if key != "placed"})
     for number, (_, _, surface) in enumerate(whole.parts):
         piece = Piece(whole, number)
         yield (Placed(fields["placed"], piece) if "placed" in fields else piece), surface
@@ -461,7 +461,8 @@ class World:
             if name in solids.COMBINED:
                 parts = list(pieces(name, fields))
             elif name == "Mesh":
-                parts = [(facet, fields) for facet in facets(fields)]
+                place = (lambda facet: Placed(fields["placed"], facet)) if "placed" in fields else lambda facet: facet
+                parts = [(place(facet), fields) for facet in facets(fields)]
             else:
                 parts = [(shape_of(name, fields), fields)]
             self.shapes += [shape for shape, _ in parts]

@@ -27,6 +27,7 @@ class Scenes:
     def __init__(self, seed):
         self.random = random.Random(seed)
         self.has_solids = self.chance(0.3)
+        self.has_transforms = self.chance(0.2)
 
     def chance(self, p):
         return self.random.random() < p
@@ -178,6 +179,8 @@ class Scenes:
                     "normal": self.direction(),
                     "color": self.color(),
                 }
+            if self.has_transforms and self.chance(0.3):
+                fields["transform"] = self.transform(scale)
             geometries.append({name: fields})
         return geometries
 
@@ -238,6 +241,11 @@ class Scenes:
                     kind, fields = self.shape(scale)
                 fields.pop("capped", None)
             fields.pop("color", None)
+            if self.chance(0.2):
+                fields["transform"] = self.transform(scale)
+            if self.chance(0.1):
+                kind, fields = "Group", {"geometries": [{kind: fields}], "transform": self.transform(scale)}
+                return {kind: fields}
             return {kind: fields | ({"color": self.color()} if self.chance(0.5) else {})}
 
         operands = [operand() for _ in range(self.random.randint(1, 4))]
@@ -248,6 +256,15 @@ class Scenes:
         else:
             fields = {"of": operands}
         return name, fields | {"color": self.color()}
+
+    def transform(self, scale):
+        """Returns a transform that mirrors, turns by a quarter, stretches and moves."""
+        factors = [self.random.choice((1.0, -1.0, 2.0, 0.5)) for _ in range(3)]
+        # Rows of a matrix, as the sine of Python may differ in its last bit.
+        rows = [[factor if row == column else 0.0 for column in range(3)] for row, factor in enumerate(factors)]
+        self.random.shuffle(rows)
+        moved = {"matrix": [row + [shift] for row, shift in zip(rows, self.point(scale))]}
+        return self.random.choice((moved, {"translate": self.point(scale)}, {"scale": factors}))
 
     def scene(self):
         scale = self.random.choice((1.0, 1.0, 1e9, 1e-9, self.magnitude()))

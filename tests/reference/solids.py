@@ -2,8 +2,9 @@
 
 import math
 
+import evaluate
 import shapes
-from evaluate import divide, dot, root, scaled, subtract, variant, vector
+from evaluate import divide, dot, optional, root, scaled, subtract, variant, vector
 
 COMBINED = ("Union", "Intersection", "Difference")
 
@@ -19,6 +20,37 @@ def parts_of(geometries):
         name, fields = variant(geometry)
         found += parts_of(operands_of(name, fields)) if name in COMBINED else [geometry]
     return found
+
+
+def map_operands(change, name, fields):
+    """Returns a solid with each of its operands changed."""
+    if name == "Difference":
+        return {name: {**fields, "of": change(fields["of"]), "minus": list(map(change, fields["minus"]))}}
+    return {name: {**fields, "of": list(map(change, fields["of"]))}}
+
+
+def with_places(solid):
+    """Returns a solid whose parts are placed by their own transforms and by those around them in it, its
+    groups as unions."""
+    return map_operands(operand_with_places, *variant(solid))
+
+
+def operand_with_places(operand):
+    name, fields = variant(operand)
+    if name == "Group":
+        name, fields = "Union", {"of": fields["geometries"], "transform": fields.get("transform")}
+    if name in COMBINED:
+        ((name, fields),) = with_places({name: fields}).items()
+    return placed({name: fields}, evaluate.transform(optional(fields, "transform", {})))
+
+
+def placed(solid, matrix):
+    """Returns a solid each part of which is mapped by a matrix after its own."""
+    name, fields = variant(solid)
+    if name not in COMBINED:
+        return evaluate.placed(solid, matrix)
+    bare = {key: fields[key] for key in fields if key != "transform"}
+    return map_operands(lambda operand: placed(operand, matrix), name, bare)
 
 
 def plane(fields):
@@ -58,8 +90,10 @@ def simple(name, fields):
     else:
         span, _ = shapes.SOLIDS[name](fields)
 
+    back = evaluate.ray_back(fields["placed"]) if "placed" in fields else lambda o, d: (o, d)
+
     def intervals(o, d, color):
-        ends = span(o, d)
+        ends = span(*back(o, d))
         if ends is None or not ends[0][0] < ends[1][0]:
             return []
         return [((ends[0][0], color), (ends[1][0], color))]

@@ -308,34 +308,38 @@ impl Rng {
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
         let single = |rng: &mut Self| match rng.below(13) {
-            0 => GeometryModel::Plane(PlaneModel {
+            0 => GeometryModel::Plane(Box::new(PlaneModel {
                 point: rng.triple(),
-                normal: rng.triple().into(),
+                normal: rng.triple(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
-            }),
+            })),
             1 => GeometryModel::Sphere(SphereModel {
                 center: rng.triple(),
                 radius: rng.number(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             }),
-            2 => GeometryModel::Disc(DiscModel {
-                center: rng.triple().into(),
-                normal: rng.triple().into(),
+            2 => GeometryModel::Disc(Box::new(DiscModel {
+                center: rng.triple(),
+                normal: rng.triple(),
                 radius: rng.number(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
-            }),
+            })),
             3 => GeometryModel::Rectangle(Box::new(RectangleModel {
                 corner: rng.triple(),
                 edge_u: rng.triple(),
                 edge_v: rng.triple(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             4 => GeometryModel::Triangle(Box::new(TriangleModel {
@@ -344,6 +348,7 @@ impl Rng {
                 c: rng.triple(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             5 => GeometryModel::Box(Box::new(BoxModel {
@@ -351,6 +356,7 @@ impl Rng {
                 max: rng.triple(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             6 => GeometryModel::Cylinder(Box::new(CylinderModel {
@@ -360,6 +366,7 @@ impl Rng {
                 capped: rng.maybe(|rng| rng.below(2) == 0),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             7 => GeometryModel::Cone(Box::new(ConeModel {
@@ -370,6 +377,7 @@ impl Rng {
                 capped: rng.maybe(|rng| rng.below(2) == 0),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             8 => GeometryModel::Capsule(Box::new(CapsuleModel {
@@ -378,6 +386,7 @@ impl Rng {
                 radius: rng.number(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             9 => GeometryModel::Ellipsoid(Box::new(EllipsoidModel {
@@ -385,6 +394,7 @@ impl Rng {
                 axes: (0..3).map(|_| rng.triple()).collect(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             10 => GeometryModel::Cylinders(Box::new(CylindersModel {
@@ -396,6 +406,7 @@ impl Rng {
                 color: rng.maybe(Self::color),
                 color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             12 => GeometryModel::Instances(Box::new(InstancesModel {
@@ -404,6 +415,7 @@ impl Rng {
                 file: None,
                 columns: None,
                 array: None,
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             11 => GeometryModel::Mesh(Box::new(MeshModel {
@@ -414,6 +426,7 @@ impl Rng {
                 color: rng.maybe(Self::color),
                 color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
             _ => GeometryModel::Spheres(Box::new(SpheresModel {
@@ -424,6 +437,7 @@ impl Rng {
                 color: rng.maybe(Self::color),
                 color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })),
         };
@@ -439,18 +453,21 @@ impl Rng {
             let of: Vec<_> = (0..rng.below(3)).map(|_| inside(rng)).collect();
             let color = rng.maybe(Self::color);
             let material = rng.maybe(|rng| rng.material().into());
+            let transform = rng.maybe(|rng| rng.transform().into());
             let name = rng.maybe(Self::name);
             match rng.below(3) {
                 0 => GeometryModel::Union(Box::new(UnionModel {
                     of,
                     color,
                     material,
+                    transform,
                     name,
                 })),
                 1 => GeometryModel::Intersection(Box::new(IntersectionModel {
                     of,
                     color,
                     material,
+                    transform,
                     name,
                 })),
                 _ => GeometryModel::Difference(Box::new(DifferenceModel {
@@ -458,6 +475,7 @@ impl Rng {
                     minus: of,
                     color,
                     material,
+                    transform,
                     name,
                 })),
             }
@@ -572,6 +590,7 @@ fn time_is_linear() {
                 radius: rng.number(),
                 color: Some(rng.color()),
                 material: None,
+                transform: None,
                 name: rng.maybe(Rng::name),
             })
         })

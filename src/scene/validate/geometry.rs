@@ -21,7 +21,7 @@ impl Found {
         let path = || model.path_of(at);
         geometry.each(|field, value| self.field(field, value, path));
         // The fields of a sphere have nothing to do with each other, and it may be one of a million.
-        if !matches!(geometry, GeometryModel::Sphere(_)) {
+        if !matches!(geometry, GeometryModel::Sphere(_)) || geometry.transform().is_some() {
             self.between_fields(geometry, at, model);
         }
     }
@@ -46,8 +46,7 @@ impl Found {
             self.push(problem.help(clash.help).cure(cure));
         }
         if let Some(transform) = geometry.transform() {
-            self.transform(transform, &path().field("transform"));
-            self.placement(transform, at, model);
+            self.transform(transform, &|| path().field("transform"));
         }
         if geometry
             .group()

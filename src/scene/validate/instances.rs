@@ -92,7 +92,7 @@ impl Found {
             .map(|leaf| leaf.placement)
             .unwrap_or_default();
         for (index, transform) in transforms.iter().enumerate() {
-            self.transform(transform, &place.index(index));
+            self.transform(transform, &|| place.index(index));
             let Ok(built) = transform.build() else {
                 continue;
             };

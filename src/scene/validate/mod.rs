@@ -26,10 +26,7 @@ use crate::{
         animation::frames::Frames,
         duplicates::Duplicates,
         format::{
-            geometry::{
-                GeometryModel,
-                nesting::{Leaf, Ordinal},
-            },
+            geometry::{GeometryModel, nesting::Ordinal, placement::Placement},
             image::ImageModel,
             scene::Model,
             thing::Thing,
@@ -121,14 +118,22 @@ pub(crate) fn problems(
             break;
         }
         let leaf = leaves.next_if(|leaf| leaf.at == at);
-        if let Some(Leaf { placement, .. }) = &leaf {
-            duplicates.add(at, geometry, placement);
+        if let Some(leaf) = &leaf {
+            duplicates.add(at, geometry, &leaf.placement);
+        }
+        let is_part = at < parts_until;
+        let is_invalid = leaf
+            .as_ref()
+            .map_or(geometry.group().is_some() && !is_part, |leaf| {
+                leaf.placement.transform().is_err()
+            });
+        if is_invalid && geometry.transform().is_some() && geometry.part().is_none() {
+            found.placement(at, model);
         }
         if stand_ins.has(at) {
             continue;
         }
         found.geometry(geometry, at, model);
-        let is_part = at < parts_until;
         found.surface(geometry, model, &materials, (at, is_part), stand_ins);
         match geometry {
             GeometryModel::Instances(instances) => copies.push((at, &**instances)),
@@ -143,6 +148,7 @@ pub(crate) fn problems(
                 if !is_part {
                     let inner = at.inner + geometry.total();
                     parts_until = Ordinal { inner, ..at };
+                    found.operands(geometry, at, model, &Placement::default());
                 }
                 found.solid(geometry, at, model);
                 let moves = |frames: &Frames| frames.move_leaf(model, at);

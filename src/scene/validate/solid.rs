@@ -8,6 +8,7 @@ use crate::{
             geometry::{
                 GeometryModel,
                 nesting::{Inside, Ordinal},
+                placement::Placement,
             },
             scene::Model,
         },
@@ -18,7 +19,7 @@ use crate::{
 
 /// What a solid may be put together from.
 const WHAT_IS_SOLID: &str = "a solid is a Sphere, a Box, a capped Cylinder or Cone, a Capsule, an Ellipsoid, \
-                      a Plane, which is all that lies behind it, or put together from these";
+                      a Plane, which is all that lies behind it, a Group of these, or put together from these";
 
 impl Found {
     /// Checks what a solid is put together from.
@@ -40,6 +41,30 @@ impl Found {
                 let at = Ordinal { inner, ..at };
                 inner += geometry.total();
                 self.operand(geometry, at, model);
+            }
+        }
+    }
+
+    /// Checks that the product of the transforms of each part of a solid, inside of it, can be inverted.
+    pub(super) fn operands(
+        &mut self,
+        solid: &GeometryModel,
+        at: Ordinal,
+        model: &Model,
+        around: &Placement,
+    ) {
+        let mut inner = at.inner + 1;
+        for operand in solid.inside().flat_map(|inside| inside.geometries) {
+            let at = Ordinal { inner, ..at };
+            inner += operand.total();
+            let placement = around.within(operand.transform());
+            match placement.transform() {
+                Ok(_) => self.operands(operand, at, model, &placement),
+                Err(error) => {
+                    if operand.transform().is_some_and(|own| own.build().is_ok()) {
+                        self.cannot_be_placed(at, model, &error);
+                    }
+                }
             }
         }
     }
@@ -70,6 +95,7 @@ impl Found {
     fn operand(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let what = match (geometry, no_solid(geometry)) {
             (_, Some(what)) => what,
+            (GeometryModel::Group(_), _) => return self.solid(geometry, at, model),
             (GeometryModel::Cylinder(cylinder), _) => {
                 return self.open(cylinder.capped, "cylinder", at, model);
             }
@@ -101,6 +127,7 @@ const fn no_solid(geometry: &GeometryModel) -> Option<&'static str> {
         | GeometryModel::Cone(_)
         | GeometryModel::Capsule(_)
         | GeometryModel::Ellipsoid(_)
+        | GeometryModel::Group(_)
         | GeometryModel::Union(_)
         | GeometryModel::Intersection(_)
         | GeometryModel::Difference(_) => return None,
@@ -110,7 +137,6 @@ const fn no_solid(geometry: &GeometryModel) -> Option<&'static str> {
         GeometryModel::Mesh(_) => "a mesh",
         GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table",
         GeometryModel::Part(_) => "a part",
-        GeometryModel::Group(_) => "a group",
         GeometryModel::Instances(_) => "a list of instances",
     })
 }
@@ -127,6 +153,6 @@ pub(super) fn is_covered(solid: &GeometryModel, at: Ordinal, stand_ins: &StandIn
             stand_ins.has(at)
                 || no_solid(operand).is_some()
                 || operand.surface().is_given()
-                || (operand.operation().is_some() && is_covered(operand, at, stand_ins))
+                || (operand.combination().is_some() && is_covered(operand, at, stand_ins))
         })
 }

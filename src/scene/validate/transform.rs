@@ -5,7 +5,7 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            geometry::nesting::Ordinal,
+            geometry::{nesting::Ordinal, placement::Placement},
             scene::Model,
             thing::Thing,
             transform::{ScaleModel, TransformModel},
@@ -32,7 +32,7 @@ fn cure(transform: &TransformModel) -> &'static str {
 
 impl Found {
     /// Checks the transform of a geometry at a path.
-    pub(super) fn transform(&mut self, transform: &TransformModel, path: &Path) {
+    pub(super) fn transform(&mut self, transform: &TransformModel, path: &dyn Fn() -> Path) {
         let TransformModel {
             translate,
             rotate,
@@ -40,16 +40,15 @@ impl Found {
             matrix,
         } = transform;
         let before = self.list.len();
-        transform.each(|field, value| self.field(field, value, || path.clone()));
+        transform.each(|field, value| self.field(field, value, path));
         if let Some(rotate) = rotate {
-            let path = path.clone().field("rotate");
-            rotate.each(|field, value| self.field(field, value, || path.clone()));
+            rotate.each(|field, value| self.field(field, value, || path().field("rotate")));
         }
         if let Some(scale) = scale {
             self.scale(scale, path);
         }
         if let Some(matrix) = matrix {
-            let place = || path.clone().field("matrix");
+            let place = || path().field("matrix");
             for (row, numbers) in matrix.0.iter().enumerate() {
                 for (column, number) in numbers.iter().enumerate() {
                     self.number(*number, || place().index(row).index(column));
@@ -61,7 +60,7 @@ impl Found {
                 ("scale", scale.is_some()),
             ];
             if let Some((other, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
-                let problem = both(Code::OneOf, path, [other, "matrix"]);
+                let problem = both(Code::OneOf, &path(), [other, "matrix"]);
                 self.push(problem.help(
                     "a matrix holds the scale, the rotation and the shift; leave the others out",
                 ));
@@ -75,45 +74,56 @@ impl Found {
                  in an f64"
             );
             let place = match matrix {
-                Some(_) => path.clone().field("matrix"),
-                None => path.clone(),
+                Some(_) => path().field("matrix"),
+                None => path(),
             };
             let problem = Problem::new(Code::OutOfRange, place, Focus::Value, message);
             self.push(problem.help(cure(transform)));
         }
     }
 
-    /// Checks that the product of the transform of a group with those around it can be inverted. The
+    /// Checks that the product of the transform of a geometry with those around it can be inverted. The
     /// places of parts are checked when they are read.
-    pub(super) fn placement(&mut self, transform: &TransformModel, at: Ordinal, model: &Model) {
-        let group = model
-            .leaf(at)
-            .filter(|leaf| leaf.geometry.group().is_some());
-        let Some(around) = group.map(|group| group.placement) else {
+    pub(super) fn placement(&mut self, at: Ordinal, model: &Model) {
+        let all = model.transforms(at);
+        let product = |all: &[&TransformModel]| {
+            let around = Placement::default();
+            let whole = all
+                .iter()
+                .fold(around, |outer, inner| outer.within(Some(inner)));
+            whole.transform().map(drop)
+        };
+        let Some((own, around)) = all.split_last() else {
             return;
         };
-        if around.transform().is_err() || transform.build().is_err() {
+        if product(around).is_err() || own.build().is_err() {
             return;
         }
-        if let Err(error) = around.within(Some(transform)).transform() {
-            let message = format!("cannot be placed: {error}");
-            let place = model.path_of(at).field("transform");
-            self.push(Problem::new(Code::OutOfRange, place, Focus::Value, message));
+        if let Err(error) = product(&all) {
+            self.cannot_be_placed(at, model, &error);
         }
     }
 
-    fn scale(&mut self, scale: &ScaleModel, path: &Path) {
-        let path = path.clone().field("scale");
+    pub(super) fn cannot_be_placed(&mut self, at: Ordinal, model: &Model, error: &GeometryError) {
+        let message = format!("cannot be placed: {error}");
+        let place = model.path_of(at).field("transform");
+        self.push(Problem::new(Code::OutOfRange, place, Focus::Value, message));
+    }
+
+    fn scale(&mut self, scale: &ScaleModel, path: &dyn Fn() -> Path) {
         let factors = match scale {
-            ScaleModel::Uniform(factor) => vec![(*factor, path)],
+            ScaleModel::Uniform(factor) => vec![(*factor, None)],
             ScaleModel::Axes(factors) => {
                 let factors = factors.iter().enumerate();
-                let factors = factors.map(|(axis, factor)| (*factor, path.clone().index(axis)));
-                factors.collect()
+                factors
+                    .map(|(axis, factor)| (*factor, Some(axis)))
+                    .collect()
             }
         };
-        for (factor, path) in factors {
+        for (factor, axis) in factors {
             if factor == 0.0 {
+                let path = path().field("scale");
+                let path = axis.map_or(path.clone(), |axis| path.index(axis));
                 let problem = Problem::of_value(Code::OutOfRange, path, "`scale` must not be 0");
                 self.push(problem.help("write a number close to 0 to flatten, such as 0.001"));
             }
@@ -154,7 +164,7 @@ mod tests {
         ] {
             let transform: TransformModel = ron::from_str(text).unwrap();
             let mut found = Found::new(9);
-            found.transform(&transform, &Path::ROOT);
+            found.transform(&transform, &|| Path::ROOT);
             let help = found
                 .list
                 .first()

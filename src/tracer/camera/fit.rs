@@ -459,6 +459,15 @@ mod tests {
         assert_eq!((eye.x, eye.y, scale), (5.0, -7.0, 19.0));
     }
 
+    // Of an intersection, all of its smallest solid is framed.
+    fn holds_solids(shape: &Shape) -> bool {
+        match shape.unplaced() {
+            Shape::Solid(_) => true,
+            Shape::Instances(copies) => copies.shapes().any(holds_solids),
+            _ => false,
+        }
+    }
+
     #[test]
     fn shapes_of_any_kind_stay_within_the_margin() {
         let mut rng = Rng(0x5ade);
@@ -481,12 +490,7 @@ mod tests {
                     let [low, high] = shape.bounds().unwrap();
                     let farthest = p + eye;
                     let slack = 1e-9 * (farthest.length() + size);
-                    // Of an intersection, all of its smallest solid is framed.
-                    let inner = match shape {
-                        Shape::Placed(placed) => placed.shape(),
-                        shape => shape,
-                    };
-                    if !matches!(inner, Shape::Solid(_)) {
+                    if !holds_solids(shape) {
                         assert!(farthest.cmpge(low - slack).all(), "{shape:?}");
                         assert!(farthest.cmple(high + slack).all(), "{shape:?}");
                     }

@@ -227,6 +227,18 @@ fn transform(rng: &mut Rng, center: DVec3, size: f64) -> Result<Transform, Geome
     }
 }
 
+/// Returns a transform that turns, mirrors, stretches and moves a little.
+fn turn(rng: &mut Rng, size: f64) -> Result<Transform, GeometryError> {
+    let angle = rng.one(&[0.0, 1.0, std::f64::consts::FRAC_PI_2]) * rng.signed().signum();
+    let scale = [
+        rng.one(&[1.0, 1.0, -1.0, 0.5]),
+        rng.one(&[1.0, 1.0, 2.0]),
+        1.0,
+    ];
+    let place = rng.vector() * 0.3 * size;
+    Transform::new(place, Some((direction(rng), angle)), scale.into())
+}
+
 /// Returns a solid of which a plane is a part, unbounded unless that part is cut away.
 pub(crate) fn unbounded(rng: &mut Rng, point: DVec3, size: f64) -> Result<Shape, GeometryError> {
     let normal = rng.one(&[DVec3::Y, DVec3::NEG_Y * 2.0, DVec3::ONE]);
@@ -239,6 +251,7 @@ pub(crate) fn unbounded(rng: &mut Rng, point: DVec3, size: f64) -> Result<Shape,
 /// Returns a bounded solid of any operations; some of its parts touch, are equal or share a plane.
 pub(crate) fn solid(rng: &mut Rng, center: DVec3, size: f64) -> Result<Solid, GeometryError> {
     let mut operands: Vec<Shape> = Vec::new();
+    let mut transforms: Vec<Arc<Transform>> = Vec::new();
     for _ in 0..1 + rng.below(4) {
         let step = rng.one(&[0.0, 0.5, 1.0]) * rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
         let any_step = rng.vector() * 0.7;
@@ -256,6 +269,18 @@ pub(crate) fn solid(rng: &mut Rng, center: DVec3, size: f64) -> Result<Solid, Ge
                 .cloned()
                 .map_or_else(|| one(rng, center, size), Ok),
             _ => one(rng, center, size),
+        };
+        // Maybe by the transform of another operand.
+        let operand = match rng.below(4) {
+            0 => operand.and_then(|shape| {
+                transforms.push(turn(rng, size)?.into());
+                let any = rng.below(transforms.len());
+                match shape {
+                    Shape::Solid(_) => Ok(shape),
+                    shape => shape.placed(&transforms[any]),
+                }
+            }),
+            _ => operand,
         };
         let is_solid = |shape: &Shape| Solid::new(Operation::Union, [shape.clone()]).is_ok();
         operands.extend(operand.ok().filter(is_solid));

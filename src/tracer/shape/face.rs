@@ -9,6 +9,7 @@ use std::ptr;
 use crate::tracer::{
     ray::Ray,
     shape::{Shape, around::Around, plane::Plane},
+    transform::Transform,
 };
 
 /// The faces of a kind of shape.
@@ -110,6 +111,8 @@ pub(crate) struct Own<'a> {
     face: u64,
     /// The plane of a flat face, in the space of the shape.
     plane: Option<Plane>,
+    /// The transform of the part of a solid that the face belongs to.
+    inner: Option<&'a Transform>,
 }
 
 impl<'a> Own<'a> {
@@ -119,6 +122,7 @@ impl<'a> Own<'a> {
             shape,
             face,
             plane: shape.plane(face),
+            inner: shape.inner_transform(face),
         }
     }
 
@@ -144,6 +148,7 @@ impl<'a> Own<'a> {
                 .plane
                 .as_ref()
                 .filter(|_| self.shape.shares_space(shape)),
+            inner: self.inner,
         }
     }
 
@@ -152,7 +157,10 @@ impl<'a> Own<'a> {
     #[inline]
     pub(crate) fn is_all_of(&self, shape: &Shape) -> bool {
         match (&self.plane, shape.plane(0)) {
-            (Some(own), Some(other)) => own.contains(&other) && self.shape.shares_space(shape),
+            (Some(own), Some(other)) => {
+                let is_in_place = self.inner.is_none() && self.shape.shares_space(shape);
+                is_in_place && own.contains(&other)
+            }
             _ => self.shape == shape,
         }
     }
@@ -165,6 +173,8 @@ pub(crate) struct Leaving<'a> {
     pub(crate) face: Option<u64>,
     /// The plane of a flat face, of any shape in the same space.
     plane: Option<&'a Plane>,
+    /// The transform of the part of a solid that the plane belongs to, in that space.
+    inner: Option<&'a Transform>,
 }
 
 impl Leaving<'_> {
@@ -172,12 +182,18 @@ impl Leaving<'_> {
     pub(crate) const NOTHING: Self = Self {
         face: None,
         plane: None,
+        inner: None,
     };
 
-    /// Returns the same for a part of a shape, with the number of the face if it belongs to it.
-    #[inline(always)]
-    pub(crate) const fn of_face(self, face: Option<u64>) -> Self {
-        Self { face, ..self }
+    /// Returns the same for a part of a solid, in the space of the part before its transform, with the
+    /// number of the face if it belongs to it.
+    #[inline]
+    pub(crate) fn of_part(self, face: Option<u64>, transform: Option<&Transform>) -> Self {
+        Self {
+            face,
+            plane: self.plane.filter(|_| self.inner == transform),
+            inner: None,
+        }
     }
 
     /// Returns true if both are known to be the same.
@@ -196,11 +212,21 @@ impl Leaving<'_> {
     /// Returns true if the ray leaves this plane.
     #[inline(always)]
     pub(crate) fn is_in(&self, plane: &Plane) -> bool {
-        self.plane.is_some_and(|own| own.contains(plane))
+        self.inner.is_none() && self.plane.is_some_and(|own| own.contains(plane))
     }
 }
 
 impl Shape {
+    /// Returns the transform of the part of a solid that a face belongs to.
+    #[inline]
+    fn inner_transform(&self, face: u64) -> Option<&Transform> {
+        match self {
+            Self::Solid(solid) => solid.part(face)?.transform(),
+            Self::Placed(placed) => placed.shape().inner_transform(face),
+            _ => None,
+        }
+    }
+
     /// Returns true if both shapes are placed by the same matrix, or neither is placed.
     #[inline]
     fn shares_space(&self, other: &Self) -> bool {

@@ -51,6 +51,15 @@ impl Shape {
         }
     }
 
+    /// Returns the shape before it is placed, if it is.
+    #[inline]
+    pub(crate) fn unplaced(&self) -> &Self {
+        match self {
+            Self::Placed(placed) => &placed.shape,
+            shape => shape,
+        }
+    }
+
     /// Returns the transform that the shape is placed by, if any.
     pub fn transform(&self) -> Option<&Transform> {
         match self {

@@ -1,14 +1,11 @@
 //! The capsule of a scene file.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
-    scene::format::{
-        geometry::{clash::Clash, kind::GeometryKind},
-        material::MaterialModel,
-        object::object,
+    scene::format::geometry::{
+        clash::Clash,
+        kind::{GeometryKind, colored},
     },
     tracer::{
         error::GeometryError,
@@ -16,7 +13,7 @@ use crate::{
     },
 };
 
-object! {
+colored! {
     /// A round bar with round ends: all points at a distance from a line between two points.
     pub struct CapsuleModel = "Capsule" {
         /// The center of the first end.
@@ -25,13 +22,7 @@ object! {
         to | end | cap: Point,
         /// The radius, above 0.
         radius | r: Positive,
-        /// The color: a matte surface. Give this or `material`.
-        color: Color?,
-        /// The material. Give this or `color`.
-        material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
-    } one of color, material
+    }
 }
 
 impl GeometryKind for CapsuleModel {

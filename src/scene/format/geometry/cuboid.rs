@@ -1,16 +1,12 @@
 //! The box of a scene file.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
     diagnostic::Code,
     scene::format::{
         geometry::clash::{Clash, number, shown},
-        geometry::kind::GeometryKind,
-        material::MaterialModel,
-        object::object,
+        geometry::kind::{GeometryKind, colored},
     },
     tracer::{
         error::GeometryError,
@@ -21,20 +17,14 @@ use crate::{
 /// The names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-object! {
+colored! {
     /// A box along the axes.
     pub struct BoxModel = "Box" {
         /// The corner with the smallest coordinates.
         min | lower: Point,
         /// The corner with the largest coordinates: each is above that of `min`.
         max | upper: Point,
-        /// The color: a matte surface. Give this or `material`.
-        color: Color?,
-        /// The material. Give this or `color`.
-        material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
-    } one of color, material
+    }
 }
 
 impl GeometryKind for BoxModel {

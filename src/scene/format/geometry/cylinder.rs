@@ -1,14 +1,11 @@
 //! The cylinder of a scene file.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
-    scene::format::{
-        geometry::{clash::Clash, kind::GeometryKind},
-        material::MaterialModel,
-        object::object,
+    scene::format::geometry::{
+        clash::Clash,
+        kind::{GeometryKind, colored},
     },
     tracer::{
         error::GeometryError,
@@ -16,7 +13,7 @@ use crate::{
     },
 };
 
-object! {
+colored! {
     /// A cylinder.
     pub struct CylinderModel = "Cylinder" {
         /// The center of the first end.
@@ -27,13 +24,7 @@ object! {
         radius | r: Positive,
         /// True if the ends are closed; the default. Otherwise it is open, and seen from both sides.
         capped: Flag = true,
-        /// The color: a matte surface. Give this or `material`.
-        color: Color?,
-        /// The material. Give this or `color`.
-        material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
-    } one of color, material
+    }
 }
 
 impl GeometryKind for CylinderModel {

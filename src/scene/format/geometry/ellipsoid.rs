@@ -1,7 +1,5 @@
 //! The ellipsoid of a scene file.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
@@ -9,9 +7,7 @@ use crate::{
     scene::format::{
         field::{FieldKind, Triple},
         geometry::clash::{Clash, shown},
-        geometry::kind::GeometryKind,
-        material::MaterialModel,
-        object::object,
+        geometry::kind::{GeometryKind, colored},
         thing::Type,
     },
     tracer::{
@@ -21,7 +17,7 @@ use crate::{
     },
 };
 
-object! {
+colored! {
     /// An ellipsoid.
     pub struct EllipsoidModel = "Ellipsoid" {
         /// The center.
@@ -29,13 +25,7 @@ object! {
         /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
         /// cannot change over time.
         axes | radii: Other { Type::Tuple(|| Type::Value(FieldKind::Way), 3) }(Vec<Triple>),
-        /// The color: a matte surface. Give this or `material`.
-        color: Color?,
-        /// The material. Give this or `color`.
-        material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
-    } one of color, material
+    }
 }
 
 impl EllipsoidModel {

@@ -3,24 +3,18 @@
 use crate::scene::format::{
     geometry::{
         GeometryModel,
-        kind::{FIELDS, GeometryKind},
+        kind::{FIELDS, GeometryKind, geometry},
         nesting::Inside,
     },
-    object::object,
     scene::Model,
-    transform::TransformModel,
 };
 
-object! {
+geometry! {
     /// Geometries that belong together. Each of them is seen as if it stood in the list of the scene, at
     /// the place that the transform gives it.
     pub struct GroupModel = "Group" {
         /// The geometries of the group; groups may be in groups.
         geometries | objects | shapes | children: Thing(Vec<GeometryModel>),
-        /// The change of place, direction and size of its geometries, and of the lights of its parts.
-        transform: Thing(Box<TransformModel>)?,
-        /// The name of the group: no other geometry of the scene has it.
-        name: Name?,
     }
 }
 
@@ -31,10 +25,5 @@ impl GeometryKind for GroupModel {
 
     fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
         [&mut self.geometries, &mut []]
-    }
-
-    #[inline]
-    fn transform(&self) -> Option<&TransformModel> {
-        self.transform.as_deref()
     }
 }

@@ -3,14 +3,16 @@
 use crate::{
     data::table::kind::RowKind,
     scene::format::{
-        geometry::{kind::GeometryKind, table::TableModel},
-        object::object,
+        geometry::{
+            kind::{GeometryKind, geometry},
+            table::TableModel,
+        },
         thing::Type,
         transform::TransformModel,
     },
 };
 
-object! {
+geometry! {
     /// Copies of another geometry of the scene, with its materials: one for each transform, or for each row
     /// of a table. However large it is, all of them share its memory.
     pub struct InstancesModel = "Instances" {
@@ -29,8 +31,6 @@ object! {
         columns: Other { Type::List(|| Type::Text, 0) }(Vec<Box<str>>)?,
         /// The array of an .npz file whose rows are read; required where several have rows of columns.
         array: Text(Box<str>)?,
-        /// The name of the instances: no other geometry of the scene has it.
-        name: Name?,
     }
 }
 

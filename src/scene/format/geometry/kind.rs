@@ -1,10 +1,7 @@
 //! What each kind of geometry tells of itself. Defaults are what holds for most.
 
 use crate::{
-    scene::format::{
-        geometry::{GeometryModel, clash::Clash, nesting::Inside, table::TableModel},
-        transform::TransformModel,
-    },
+    scene::format::geometry::{GeometryModel, clash::Clash, nesting::Inside, table::TableModel},
     tracer::{
         error::GeometryError,
         shape::{Shape, solid::Operation},
@@ -31,10 +28,12 @@ pub(super) trait GeometryKind {
     /// Calls `see` with each number of the shape that is not the value of a field.
     #[inline]
     fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
-        if self.operation().is_some()
-            && let Some(Ok(shape)) = self.shape()
-        {
-            shape.each_number(see);
+        if self.operation().is_some() {
+            match self.shape() {
+                Some(Ok(shape)) => shape.each_number(see),
+                // One that is invalid equals no other.
+                _ => see(f64::NAN),
+            }
         }
     }
 
@@ -61,10 +60,38 @@ pub(super) trait GeometryKind {
     fn table(&self) -> Option<TableModel<'_>> {
         None
     }
-
-    /// Its transform.
-    #[inline]
-    fn transform(&self) -> Option<&TransformModel> {
-        None
-    }
 }
+
+/// Declares a kind of geometry: an object with the fields that all geometries have, behind its own.
+macro_rules! geometry {
+    (
+        $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* } $($sets:tt)*
+    ) => {
+        $crate::scene::format::object::object! {
+            $(#[$($meta)*])* pub struct $model = $name {
+                $($fields)*
+                /// The change of place, direction and size, also of the lights of parts.
+                transform: Thing(Box<$crate::scene::format::transform::TransformModel>)?,
+                /// The name of the geometry: no other geometry of the scene has it.
+                name: Name?,
+            } $($sets)*
+        }
+    };
+}
+
+/// Declares a kind of geometry with one color or material.
+macro_rules! colored {
+    ($(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }) => {
+        $crate::scene::format::geometry::kind::geometry! {
+            $(#[$($meta)*])* pub struct $model = $name {
+                $($fields)*
+                /// The color: a matte surface. Give this or `material`.
+                color: Color?,
+                /// The material. Give this or `color`.
+                material: Thing(std::sync::Arc<$crate::scene::format::material::MaterialModel>)?,
+            } one of color, material
+        }
+    };
+}
+
+pub(super) use {colored, geometry};

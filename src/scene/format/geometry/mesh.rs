@@ -10,9 +10,11 @@ use crate::{
     scene::format::{
         color_by::ColorByModel,
         field::{FieldKind, Triple},
-        geometry::{clash::Clash, kind::GeometryKind},
+        geometry::{
+            clash::Clash,
+            kind::{GeometryKind, geometry},
+        },
         material::MaterialModel,
-        object::object,
         thing::Type,
     },
     tracer::{
@@ -26,7 +28,7 @@ use crate::{
     },
 };
 
-object! {
+geometry! {
     /// A triangle mesh, seen from both sides.
     pub struct MeshModel = "Mesh" {
         /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
@@ -50,8 +52,6 @@ object! {
         /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
         /// color.
         material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
     } at most one of color, material any of file, vertices
 }
 

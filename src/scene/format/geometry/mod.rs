@@ -66,11 +66,11 @@ variants! {
     /// A geometry.
     pub enum GeometryModel = "Geometry" {
         /// An infinite plane, seen from both sides.
-        Plane(PlaneModel),
+        Plane(Box<PlaneModel>),
         /// A sphere.
         Sphere(SphereModel) | Ball | SphereGeometry,
         /// A disc, seen from both sides.
-        Disc(DiscModel) | Circle,
+        Disc(Box<DiscModel>) | Circle,
         /// A parallelogram, seen from both sides.
         Rectangle(Box<RectangleModel>) | Quad | Parallelogram,
         /// A triangle, seen from both sides.
@@ -329,8 +329,9 @@ impl GeometryModel {
     }
 
     /// Its transform.
+    #[inline]
     pub(crate) fn transform(&self) -> Option<&TransformModel> {
-        of_each!(self, geometry => geometry.transform())
+        of_each!(self, geometry => geometry.transform.as_deref())
     }
 
     /// The path of the file that it names.

@@ -148,10 +148,10 @@ impl Model {
     /// Returns a leaf by its number.
     pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
         let mut geometry = self.geometries.get(at.index)?;
-        let mut placement = Placement::default();
+        let mut placement = Placement::default().within(geometry.transform());
         for (_, inside, index) in geometry.way(at.inner)? {
-            placement = placement.within(geometry.transform());
             geometry = inside.geometries.get(index)?;
+            placement = placement.within(geometry.transform());
         }
         Some(Leaf {
             at,
@@ -289,7 +289,7 @@ impl GeometryModel {
 pub(crate) struct Leaf<'m> {
     pub(crate) at: Ordinal,
     pub(crate) geometry: &'m GeometryModel,
-    /// That of the groups around it.
+    /// That of the groups around it and its own.
     pub(crate) placement: Placement,
 }
 
@@ -370,7 +370,7 @@ impl<'m> Iterator for Leaves<'m> {
                 return Some(Leaf {
                     at: index.into(),
                     geometry,
-                    placement: Placement::default(),
+                    placement: Placement::default().within(geometry.transform()),
                 });
             }
             self.0.inside = Some(Way::into(geometry, index));
@@ -455,7 +455,7 @@ impl<'m> Way<'m> {
             let leaf = Leaf {
                 at: self.at,
                 geometry,
-                placement: self.placement(),
+                placement: self.placement().within(geometry.transform()),
             };
             self.at.inner += geometry.total() - 1;
             return (Some(leaf), Some(self));

@@ -1,10 +1,8 @@
 //! The part of a scene file: another scene file.
 
-use crate::scene::format::{
-    geometry::kind::GeometryKind, object::object, transform::TransformModel,
-};
+use crate::scene::format::geometry::kind::{GeometryKind, geometry};
 
-object! {
+geometry! {
     /// The geometries of another scene file, with their own materials.
     pub struct PartModel = "Part" {
         /// The scene file: a path from the folder of this file to a file .ron or .json, with `/`
@@ -13,16 +11,7 @@ object! {
         /// True to add its lights; false is the default. The light of this scene falls on the part in
         /// either case.
         lights: Flag = false,
-        /// The change of place, direction and size of its geometries and its lights.
-        transform: Thing(Box<TransformModel>)?,
-        /// The name of the part: no other geometry of the scene has it.
-        name: Name?,
     }
 }
 
-impl GeometryKind for PartModel {
-    #[inline]
-    fn transform(&self) -> Option<&TransformModel> {
-        self.transform.as_deref()
-    }
-}
+impl GeometryKind for PartModel {}

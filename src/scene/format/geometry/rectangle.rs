@@ -1,18 +1,12 @@
 //! The rectangle of a scene file.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
     diagnostic::Code,
-    scene::format::{
-        geometry::{
-            clash::{Clash, NoArea},
-            kind::GeometryKind,
-        },
-        material::MaterialModel,
-        object::object,
+    scene::format::geometry::{
+        clash::{Clash, NoArea},
+        kind::{GeometryKind, colored},
     },
     tracer::{
         error::GeometryError,
@@ -21,7 +15,7 @@ use crate::{
     },
 };
 
-object! {
+colored! {
     /// A parallelogram, seen from both sides.
     pub struct RectangleModel = "Rectangle" {
         /// A corner.
@@ -30,13 +24,7 @@ object! {
         edge_u | u: Way,
         /// The edge from the corner to the other neighbor.
         edge_v | v: Way,
-        /// The color: a matte surface. Give this or `material`.
-        color: Color?,
-        /// The material. Give this or `color`.
-        material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
-    } one of color, material
+    }
 }
 
 impl GeometryKind for RectangleModel {

@@ -7,14 +7,17 @@ use std::{
 
 use crate::{
     scene::format::{
+        field::Field,
         geometry::{
             GeometryModel,
-            kind::{FIELDS, GeometryKind},
+            group::GroupModel,
+            kind::{FIELDS, GeometryKind, geometry},
             nesting::Inside,
+            placement::Placement,
         },
         material::{MaterialModel, Materials, Surface},
-        object::object,
-        thing::{OneOf, Type, Variant},
+        scene::Model,
+        thing::{Object, OneOf, Thing, Type, Variant},
     },
     tracer::{
         error::GeometryError,
@@ -26,7 +29,7 @@ use crate::{
     },
 };
 
-/// The kinds of geometries that are solids: first the simple ones, then the combined ones.
+/// The kinds of geometries that are solids: first the simple ones, then those of others.
 pub(crate) const SOLIDS: &[&str] = &[
     "Plane",
     "Sphere",
@@ -35,6 +38,7 @@ pub(crate) const SOLIDS: &[&str] = &[
     "Cone",
     "Capsule",
     "Ellipsoid",
+    "Group",
     "Union",
     "Intersection",
     "Difference",
@@ -45,6 +49,13 @@ static SOLID: LazyLock<OneOf> = LazyLock::new(|| {
     static VARIANTS: LazyLock<Vec<Variant>> = LazyLock::new(|| {
         let all = GeometryModel::VARIANTS.iter().copied();
         all.filter(|variant| SOLIDS.contains(&variant.name))
+            .map(|variant| match variant.name {
+                "Group" => Variant {
+                    content: Some(|| Type::Object(&GROUP, true)),
+                    ..variant
+                },
+                _ => variant,
+            })
             .collect()
     });
     OneOf {
@@ -56,6 +67,28 @@ static SOLID: LazyLock<OneOf> = LazyLock::new(|| {
     }
 });
 
+/// A group inside of a solid: it holds solids.
+static GROUP: LazyLock<Object> = LazyLock::new(|| {
+    static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(|| {
+        let fields = GroupModel::FIELDS.iter().copied();
+        fields
+            .map(|field| match field.name {
+                Model::LONG => Field {
+                    of_type: || Type::List(solid, 1),
+                    ..field
+                },
+                _ => field,
+            })
+            .collect()
+    });
+    Object {
+        name: "Group",
+        docs: GroupModel::of_type().docs(),
+        fields: &FIELDS,
+        sets: &[],
+    }
+});
+
 /// The type of a solid inside of another one.
 fn solid() -> Type {
     Type::OneOf(&SOLID)
@@ -64,7 +97,7 @@ fn solid() -> Type {
 /// The fields of solids with the solids inside.
 pub(crate) const OPERANDS: &[&str] = &["of", "minus"];
 
-object! {
+geometry! {
     /// The union of several solids.
     pub struct UnionModel = "Union" {
         /// The solids.
@@ -74,12 +107,10 @@ object! {
         color: Color?,
         /// The material of those without their own. Give this or `color`, or neither if each has its own.
         material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
     } at most one of color, material
 }
 
-object! {
+geometry! {
     /// The intersection of several solids.
     pub struct IntersectionModel = "Intersection" {
         /// The solids.
@@ -89,12 +120,10 @@ object! {
         color: Color?,
         /// The material of those without their own. Give this or `color`, or neither if each has its own.
         material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
     } at most one of color, material
 }
 
-object! {
+geometry! {
     /// The difference of a solid and others.
     pub struct DifferenceModel = "Difference" {
         /// The solid that is cut.
@@ -107,8 +136,6 @@ object! {
         color: Color?,
         /// The material of those without their own. Give this or `color`, or neither if each has its own.
         material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
     } at most one of color, material
 }
 
@@ -117,7 +144,11 @@ macro_rules! equals {
     ($model:ident, $operation:ident) => {
         impl GeometryKind for $model {
             fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-                Some(combined(Operation::$operation, self))
+                Some(combined(
+                    Operation::$operation,
+                    self.inside().into_iter().flatten(),
+                    &Placement::default(),
+                ))
             }
 
             fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
@@ -140,7 +171,11 @@ equals!(IntersectionModel, Intersection);
 
 impl GeometryKind for DifferenceModel {
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-        Some(combined(Operation::Difference, self))
+        Some(combined(
+            Operation::Difference,
+            self.inside().into_iter().flatten(),
+            &Placement::default(),
+        ))
     }
 
     fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
@@ -157,19 +192,35 @@ impl GeometryKind for DifferenceModel {
     }
 }
 
-/// Returns the shape of a solid combined from those inside of it.
+/// Returns the shape of a solid combined from those inside of it, each of which is mapped by its own
+/// transform and by those around it.
 #[inline(never)]
-fn combined(operation: Operation, solid: &impl GeometryKind) -> Result<Shape, GeometryError> {
-    let inside = solid.inside().into_iter().flatten();
-    let shapes = inside.flat_map(|inside| inside.geometries).map(|operand| {
+fn combined<'a>(
+    operation: Operation,
+    inside: impl IntoIterator<Item = Inside<'a>>,
+    around: &Placement,
+) -> Result<Shape, GeometryError> {
+    let operands = inside.into_iter().flat_map(|inside| inside.geometries);
+    let shapes = operands.map(|operand| {
+        let placement = around.within(operand.transform());
+        if let Some(operation) = operand.combination() {
+            return combined(operation, operand.inside(), &placement);
+        }
         let refused = || Err(GeometryError::NotSolid { kind: "geometry" });
-        operand.any_shape().unwrap_or_else(refused)
+        placement.place(operand.any_shape().unwrap_or_else(refused)?)
     });
     let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
     Solid::new(operation, shapes).map(Shape::from)
 }
 
 impl GeometryModel {
+    /// Returns what is done with the geometries inside, if it is inside of a solid: a group is the union of
+    /// its own.
+    pub(crate) fn combination(&self) -> Option<Operation> {
+        let of_group = || self.group().map(|_| Operation::Union);
+        self.operation().or_else(of_group)
+    }
+
     /// Returns the surface of each part of a solid combined from others, in their order:
     /// its own or that of the innermost solid around it that has one. Of any other geometry, its own.
     pub(crate) fn surfaces(&self) -> Vec<Surface<'_>> {
@@ -185,7 +236,7 @@ impl GeometryModel {
     fn each_surface<'m>(&'m self, around: Surface<'m>, see: &mut dyn FnMut(Surface<'m>)) {
         let own = self.surface();
         let surface = if own.is_given() { own } else { around };
-        if self.operation().is_none() {
+        if self.combination().is_none() {
             return see(surface);
         }
         let operands = self.inside().flat_map(|inside| inside.geometries);

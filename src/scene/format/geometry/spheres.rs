@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use crate::scene::format::{
-    color::ColorModel, color_by::ColorByModel, material::MaterialModel, object::object, thing::Type,
+    color::ColorModel, color_by::ColorByModel, geometry::kind::geometry, material::MaterialModel,
+    thing::Type,
 };
 
-object! {
+geometry! {
     /// Many spheres from a table, a file beside the scene: one in each row.
     pub struct SpheresModel = "Spheres" {
         /// The table: a path from the folder of the scene to a file .csv, .npy, .npz, .ply, .xyz or
@@ -29,7 +30,5 @@ object! {
         /// The material of all rows; the color of a row replaces its first color. Give at most one of this
         /// and `color`.
         material: Thing(Arc<MaterialModel>)?,
-        /// The name of the table: no other geometry of the scene has it.
-        name: Name?,
     } at most one of color, material
 }

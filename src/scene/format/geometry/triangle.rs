@@ -1,18 +1,12 @@
 //! The triangle of a scene file.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::{
     diagnostic::Code,
-    scene::format::{
-        geometry::{
-            clash::{Clash, NoArea},
-            kind::GeometryKind,
-        },
-        material::MaterialModel,
-        object::object,
+    scene::format::geometry::{
+        clash::{Clash, NoArea},
+        kind::{GeometryKind, colored},
     },
     tracer::{
         error::GeometryError,
@@ -20,7 +14,7 @@ use crate::{
     },
 };
 
-object! {
+colored! {
     /// A triangle, seen from both sides.
     pub struct TriangleModel = "Triangle" {
         /// The first corner.
@@ -29,13 +23,7 @@ object! {
         b | v1: Point,
         /// The third corner.
         c | v2: Point,
-        /// The color: a matte surface. Give this or `material`.
-        color: Color?,
-        /// The material. Give this or `color`.
-        material: Thing(Arc<MaterialModel>)?,
-        /// The name of the geometry: no other geometry of the scene has it.
-        name: Name?,
-    } one of color, material
+    }
 }
 
 impl TriangleModel {

@@ -85,7 +85,8 @@ impl Solid {
     pub const FACES_OF_PART: u64 = 8;
 
     /// Puts solids together: planes as the half-spaces that their normals point away from, spheres,
-    /// boxes, capped cylinders and cones, capsules, ellipsoids and others of this kind.
+    /// boxes, capped cylinders and cones, capsules, ellipsoids and others of this kind. All but the last
+    /// may be placed by a transform.
     ///
     /// # Errors
     ///
@@ -181,7 +182,8 @@ impl Solid {
         let own = own.and_then(|(part, face)| Some((self.parts.get(part)?.twin, face)));
         let spans = self.parts.iter().map(|part| {
             let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
-            part.span(ray, leaving.of_face(face)).unwrap_or(NOWHERE)
+            let leaving = leaving.of_part(face, part.shape.transform());
+            part.span(ray, leaving).unwrap_or(NOWHERE)
         });
         Crossings {
             solid: self,
@@ -196,6 +198,13 @@ impl Solid {
         (part as usize, face % Self::FACES_OF_PART)
     }
 
+    /// Returns the part that a face belongs to.
+    pub(crate) fn part(&self, face: u64) -> Option<&Shape> {
+        let (part, _) = self.part_of(face);
+        Some(&self.parts.get(part)?.shape)
+    }
+
+    /// The plane of a face of a part, before the part is mapped.
     pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         let (part, face) = self.part_of(face);
         self.parts.get(part)?.shape.plane(face)

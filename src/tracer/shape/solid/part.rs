@@ -53,7 +53,7 @@ macro_rules! of_simple {
 impl SolidPart {
     /// Creates the part with an index; `None` if the shape is not a simple solid.
     pub(super) fn new(shape: Shape, index: usize) -> Option<Self> {
-        if !of_simple!(&shape, _solid => true, else false) {
+        if !of_simple!(shape.unplaced(), _solid => true, else false) {
             return None;
         }
         Some(Self {
@@ -68,7 +68,13 @@ impl SolidPart {
     /// it.
     #[inline]
     pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let span = of_simple!(&self.shape, solid => solid.span(ray, leaving), else None);
+        let inner = self
+            .shape
+            .transform()
+            .map(|transform| transform.ray_back(ray));
+        let along = inner.as_ref().unwrap_or(ray);
+        let shape = self.shape.unplaced();
+        let span = of_simple!(shape, solid => solid.span(along, leaving), else None);
         let mut span = span?;
         if leaving.face.is_some() {
             span.enter.t = span.enter.t.min(0.0);
@@ -106,7 +112,10 @@ impl SolidPart {
 
     /// Returns the depth of a point below the surface: above 0 inside, 0 on it and below 0 outside.
     pub(super) fn depth(&self, point: DVec3) -> f64 {
-        of_simple!(&self.shape, solid => solid.depth(point), else f64::NEG_INFINITY)
+        let transform = self.shape.transform();
+        let point = transform.map_or(point, |transform| transform.point_back(point));
+        let shape = self.shape.unplaced();
+        of_simple!(shape, solid => solid.depth(point), else f64::NEG_INFINITY)
     }
 }
 

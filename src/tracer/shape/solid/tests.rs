@@ -1,6 +1,6 @@
 //! Combined solids, beside what each operation keeps.
 
-use std::sync::Arc;
+use std::{slice, sync::Arc};
 
 use glam::DVec3;
 
@@ -127,6 +127,33 @@ fn a_plane_is_the_half_space_behind_it() {
 }
 
 #[test]
+fn a_part_that_is_placed_is_met_as_it_is_alone() {
+    let mut rng = Rng(0x7e57);
+    let turn = Transform::new(DVec3::X, Some((DVec3::new(1.0, 2.0, 3.0), 1.0)), DVec3::ONE);
+    let turn = Arc::new(turn.unwrap());
+    for shape in [cube(-1.0, 1.0), ball(0.5, 1.0)] {
+        let alone = shape.placed(&turn).unwrap();
+        let whole = made(Operation::Union, slice::from_ref(&alone));
+        assert_eq!(whole.bounds(), alone.bounds());
+        for _ in 0..cases(CASES) {
+            let ray = Ray::new(rng.vector() * 3.0, rng.vector());
+            let found = all(&whole, &ray, Leaving::NOTHING);
+            assert_eq!(found, all(&alone, &ray, Leaving::NOTHING));
+            for (t, face) in found {
+                let at = Crossing { t, face };
+                assert_eq!(whole.normal_at(&ray, at), alone.normal_at(&ray, at));
+                let next = Ray::new(ray.at(t), rng.vector());
+                let [one, other] = [&whole, &alone].map(|shape| {
+                    let own = Own::new(shape, face);
+                    all(shape, &next, own.on(shape))
+                });
+                assert_eq!(one, other);
+            }
+        }
+    }
+}
+
+#[test]
 fn only_solids_are_put_together() {
     let disc: Shape = Disc::new(DVec3::ZERO, DVec3::X, 1.0).unwrap().into();
     let tube = Cylinder::new(DVec3::ZERO, DVec3::X, 1.0, false).unwrap();
@@ -198,7 +225,7 @@ fn crossings_are_where_points_change_sides() {
         let Some(shape @ Shape::Solid(solid)) = &made else {
             continue;
         };
-        let is_even = solid.parts().all(|part| match part {
+        let is_even = solid.parts().all(|part| match part.unplaced() {
             // So flat, nothing is said of a point from its crossings.
             Shape::Ellipsoid(ellipsoid) => ellipsoid.axes().iter().all(|axis| axis.length() > 1e-4),
             Shape::Cone(cone) => (cone.to() - cone.from()).length() > 1e-4,
