@@ -5,7 +5,6 @@ use std::{
     collections::BTreeMap,
     fs::File,
     io::{self, Seek},
-    mem,
 };
 
 use crate::{
@@ -38,7 +37,7 @@ use crate::{
 };
 
 /// The result of checking a text.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Checked {
     pub(super) model: Option<Model>,
     /// The tables and parts of the model; `None` if they were not read or not kept.
@@ -57,13 +56,8 @@ pub(super) struct Checked {
 impl Checked {
     pub(super) fn refused(diagnostics: Vec<Diagnostic>) -> Self {
         Self {
-            model: None,
-            tables: None,
-            needs: Needs::default(),
             diagnostics,
-            suppressed: Suppressed::default(),
-            settings: Vec::new(),
-            has_lights: false,
+            ..Self::default()
         }
     }
 
@@ -81,16 +75,10 @@ impl Checked {
 
 /// A model and its problems.
 pub(super) struct CheckedModel {
-    pub(super) model: Model,
-    pub(super) tables: Option<Tables>,
-    needs: Needs,
+    model: Model,
     pub(super) problems: Vec<Problem>,
-    /// Counts of the faults that are not kept.
-    pub(super) suppressed: Suppressed,
-    /// The diagnostics of each setting.
-    pub(super) settings: Vec<Vec<Diagnostic>>,
-    /// True if the file, or a part that lights it, has `lights`.
-    has_lights: bool,
+    /// All else that was found.
+    found: Checked,
 }
 
 impl CheckedModel {
@@ -127,9 +115,9 @@ impl CheckedModel {
         let mut found = Self::unset(model, &StandIns::default(), options, watch);
         let (settings, problems) = applied.placed(found.problems);
         let sort = |faults| sorted(faults, &found.model, &options.levels);
-        found.settings = settings.into_iter().map(sort).collect();
+        found.found.settings = settings.into_iter().map(sort).collect();
         found.problems = problems;
-        found.has_lights |= has_lights;
+        found.found.has_lights |= has_lights;
         found
     }
 
@@ -181,44 +169,38 @@ impl CheckedModel {
             .retain(|problem| severity(problem.code(), Some(&model), &options.levels).is_some());
         let is_read = !is_wanted || options.tables().is_some();
         let has_lights = tables.lights().next().is_some();
-        Self {
-            model,
+        let found = Checked {
             has_lights,
             tables: is_read.then_some(tables),
             needs,
-            problems,
             suppressed,
-            settings: Vec::new(),
+            ..Checked::default()
+        };
+        Self {
+            model,
+            problems,
+            found,
         }
     }
 
     /// Locates the problems in a text.
-    pub(super) fn placed(mut self, source: &Source, levels: &Levels) -> Checked {
-        if self.problems.is_empty() {
-            return self.checked(Vec::new());
+    pub(super) fn placed(self, source: &Source, levels: &Levels) -> Checked {
+        let mut diagnostics = Vec::new();
+        // Without problems, no tree is needed.
+        if !self.problems.is_empty() {
+            let repairs = Repairs::default();
+            let locator = Locator::new(source.text(), source.tree(), &repairs);
+            let problems = self.problems.into_iter();
+            let placed = problems.map(|problem| {
+                let range = locator.range(&problem.diagnostic.path, problem.focus);
+                locator.placed(problem, range.unwrap_or_default())
+            });
+            diagnostics = sorted(placed.collect(), &self.model, levels);
         }
-        let repairs = Repairs::default();
-        let locator = Locator::new(source.text(), source.tree(), &repairs);
-        let problems = mem::take(&mut self.problems).into_iter();
-        let placed = problems.map(|problem| {
-            let range = locator
-                .range(&problem.diagnostic.path, problem.focus)
-                .unwrap_or_default();
-            locator.placed(problem, range)
-        });
-        let diagnostics = sorted(placed.collect(), &self.model, levels);
-        self.checked(diagnostics)
-    }
-
-    fn checked(self, diagnostics: Vec<Diagnostic>) -> Checked {
         Checked {
             model: Some(self.model),
-            tables: self.tables,
-            needs: self.needs,
             diagnostics,
-            suppressed: self.suppressed,
-            settings: self.settings,
-            has_lights: self.has_lights,
+            ..self.found
         }
     }
 }
@@ -321,8 +303,8 @@ pub(super) fn check(
         }
         diagnostics.extend(placed);
         diagnostics = sorted(diagnostics, &found.model, levels);
-        more = suppressed(&tally, &found.model, levels) + found.suppressed;
-        needs = found.needs;
+        more = suppressed(&tally, &found.model, levels) + found.found.suppressed;
+        needs = found.found.needs;
     }
     Checked {
         needs,

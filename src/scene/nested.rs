@@ -7,12 +7,12 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, path::Path, plain},
+    diagnostic::{Code, plain},
     parallel::{Cancel, timings::Timings},
     scene::{
         build::{self, BuiltList},
         check::Checked,
-        files::{self, Folder, Refused},
+        files::{self, Folder},
         format::{
             geometry::{GeometryModel, PartModel},
             material::Materials,
@@ -20,7 +20,8 @@ use crate::{
         },
         loaded::Loaded,
         options::ReadOptions,
-        part::{Copies, File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
+        part::{File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
+        place::Place,
         problem::{Focus, Problem},
         tables::{MOST, Tables},
     },
@@ -60,16 +61,20 @@ pub(super) fn read(
         let Some(named) = geometry.part().filter(|_| !options.is_cancelled()) else {
             continue;
         };
-        let place = PartGeometry {
+        let place = Place {
             file: &named.file,
             variant: model.path_of(at),
-            is_placed: !model.transforms(at).is_empty(),
         };
-        match reader.part(named, &place) {
+        let is_placed = !model.transforms(at).is_empty();
+        match reader.part(named, &place, is_placed) {
             Ok(part) => {
                 let lights = named.lights == Some(true);
                 if lights && part.lights.is_none() {
-                    problems.push(place.without_lights());
+                    let file = quote(&named.file);
+                    let message = format!("this has no effect: {file} has no `lights`");
+                    let path = place.variant.field("lights");
+                    let problem = Problem::new(Code::NoEffect, path, Focus::Key, message);
+                    problems.push(problem.help("remove it"));
                 }
                 tables.add_part(at, part, lights);
             }
@@ -120,8 +125,14 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Returns the part that a geometry names.
-    fn part(&mut self, named: &PartModel, place: &PartGeometry) -> Result<Arc<Part>, Problem> {
+    /// Returns the part that a geometry names; `is_placed` is true if it or a group around it has a
+    /// transform.
+    fn part(
+        &mut self,
+        named: &PartModel,
+        place: &Place,
+        is_placed: bool,
+    ) -> Result<Arc<Part>, Problem> {
         let Some(syntax) = Syntax::of_path(FilePath::new(&*named.file)) else {
             let message = "the extension does not determine the syntax, expected .ron or .json";
             let problem = place.problem(Code::InvalidPart, message);
@@ -148,7 +159,7 @@ impl Reader<'_> {
         let is_copy = known.is_some();
         let read = match known {
             Some(read) => read,
-            None if self.nest.way.len() > DEEPEST => return Err(place.too_deep()),
+            None if self.nest.way.len() > DEEPEST => return Err(too_deep(place)),
             None => {
                 let read = Arc::new(self.read(&file, syntax, place)?);
                 self.nest.keep(&file, &read);
@@ -166,13 +177,15 @@ impl Reader<'_> {
         match (ring, &read.part) {
             (Some(ring), _) => Err(ring),
             (None, Some(_)) if self.nest.way.len() + read.needs.depth > DEEPEST => {
-                Err(place.too_deep())
+                Err(too_deep(place))
             }
             (None, Some(part)) => {
-                self.count(part, named.lights == Some(true), is_copy, place)?;
+                let shines = named.lights == Some(true);
+                let copy = is_copy.then_some(is_placed);
+                self.count(part, shines, copy, place)?;
                 Ok(Arc::clone(part))
             }
-            (None, None) => Err(place.broken(&read.findings)),
+            (None, None) => Err(broken(place, &read.findings)),
         }
     }
 
@@ -195,11 +208,16 @@ impl Reader<'_> {
 
     /// Returns the problem of a ring: `way` leads from the current file to the one at `start` on the
     /// way to the current file.
-    fn ring(&self, start: usize, way: &Way, place: &PartGeometry) -> Problem {
+    fn ring(&self, start: usize, way: &Way, place: &Place) -> Problem {
         let ring = self.nest.way.iter().skip(start).chain(way);
         let ring: Vec<_> = ring.map(|file| quote(&file.written)).collect();
         let message = format!("a part of itself: {}", ring.join(" → "));
-        let problem = Problem::new(Code::PartRing, place.path(), Focus::Value, message);
+        let problem = Problem::new(
+            Code::PartRing,
+            place.variant.field("file"),
+            Focus::Value,
+            message,
+        );
         problem.help("remove one of the parts in this ring")
     }
 
@@ -216,7 +234,7 @@ impl Reader<'_> {
     }
 
     /// Reads, checks and builds a file.
-    fn read(&self, file: &File, syntax: Syntax, place: &PartGeometry) -> Result<PartFile, Problem> {
+    fn read(&self, file: &File, syntax: Syntax, place: &Place) -> Result<PartFile, Problem> {
         let opened = self.folder.open_found(&file.path);
         let (content, length) = opened.map_err(|refused| place.refused(refused))?;
         let path = PathBuf::from(&*file.name);
@@ -231,20 +249,18 @@ impl Reader<'_> {
     }
 
     /// Counts the geometries of a part, and its lights if they shine. Copies of copies would fill any
-    /// memory, so those of all files count together.
+    /// memory, so those of all files count together; `copy` is true for one with a transform.
     fn count(
         &mut self,
         part: &Part,
         shines: bool,
-        is_copy: bool,
-        place: &PartGeometry,
+        copy: Option<bool>,
+        place: &Place,
     ) -> Result<(), Problem> {
         self.total = self.total.saturating_add(part.count());
         let lights = part.lights.as_ref().filter(|_| shines).map_or(0, Vec::len);
-        let copies = match is_copy {
-            true => self.nest.add_copies(part.total(place.is_placed), lights),
-            false => Copies::default(),
-        };
+        let copies = copy.map(|is_placed| self.nest.add_copies(part.total(is_placed), lights));
+        let copies = copies.unwrap_or_default();
         for (what, found, most) in [
             ("geometries", self.total, MOST),
             ("copies of geometries", copies.geometries, MOST_COPIES),
@@ -345,56 +361,21 @@ fn part(
     }))
 }
 
-/// A geometry that names a part.
-struct PartGeometry<'a> {
-    file: &'a str,
-    variant: Path,
-    /// True if it or a group around it has a transform.
-    is_placed: bool,
+fn too_deep(place: &Place) -> Problem {
+    let message = format!("more than {DEEPEST} parts are inside one another");
+    place.problem(Code::InvalidPart, message)
 }
 
-impl PartGeometry<'_> {
-    fn path(&self) -> Path {
-        self.variant.field("file")
-    }
-
-    /// Creates a problem of the file; the message names the file first.
-    fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
-        let message = format!("{}: {}", quote(self.file), message.as_ref());
-        Problem::new(code, self.path(), Focus::Value, message)
-    }
-
-    fn refused(&self, refused: Refused) -> Problem {
-        match refused {
-            Refused::Unreadable(why) => self.problem(Code::FileNotFound, why),
-            Refused::Outside(how) => self.problem(Code::OutsideFolder, how).help(
-                "put the file into the folder of the scene, or allow it by `--allow-outside`",
-            ),
-        }
-    }
-
-    fn too_deep(&self) -> Problem {
-        let message = format!("more than {DEEPEST} parts are inside one another");
-        self.problem(Code::InvalidPart, message)
-    }
-
-    /// Creates the problem of a part with errors. They are reported in its own file.
-    fn broken(&self, findings: &PartFindings) -> Problem {
-        let errors = match findings.errors() {
-            1 => "1 error".to_owned(),
-            errors => format!("{errors} errors"),
-        };
-        let message = format!("{} has {errors}", quote(self.file));
-        let problem = Problem::new(Code::InvalidPart, self.path(), Focus::Value, message);
-        let (first, _) =
-            plain::listing(&[(findings.name(), findings.text(), findings.diagnostics())]);
-        problem.help(format!("the first: {first}"))
-    }
-
-    fn without_lights(&self) -> Problem {
-        let message = format!("this has no effect: {} has no `lights`", quote(self.file));
-        let path = self.variant.field("lights");
-        let problem = Problem::new(Code::NoEffect, path, Focus::Key, message);
-        problem.help("remove it")
-    }
+/// Creates the problem of a part with errors. They are reported in its own file.
+fn broken(place: &Place, findings: &PartFindings) -> Problem {
+    let errors = match findings.errors() {
+        1 => "1 error".to_owned(),
+        errors => format!("{errors} errors"),
+    };
+    let (message, path) = (
+        format!("{} has {errors}", quote(place.file)),
+        place.variant.field("file"),
+    );
+    let (first, _) = plain::listing(&[(findings.name(), findings.text(), findings.diagnostics())]);
+    Problem::new(Code::InvalidPart, path, Focus::Value, message).help(format!("the first: {first}"))
 }

@@ -12,7 +12,7 @@ use crate::{
         files::{self, Folder, Refused},
         foreign::{Foreign, start_of},
         format::{color_by::ColorByModel, geometry::table::TableModel},
-        problem::{Cure, Focus, Problem},
+        problem::{Focus, Problem},
     },
     text::nearest::{list, nearest, quote},
     tracer::error::GeometryError,
@@ -27,12 +27,18 @@ pub(crate) struct Place<'a> {
 impl Place<'_> {
     /// Opens the file. Returns its length as well.
     pub(crate) fn open(&self, files: &Folder<'_>) -> Result<(files::Content, u64), Problem> {
-        files.open(self.file).map_err(|refused| match refused {
+        let opened = files.open(self.file);
+        opened.map_err(|refused| self.refused(refused))
+    }
+
+    /// Creates the problem of a file that is not opened.
+    pub(super) fn refused(&self, refused: Refused) -> Problem {
+        match refused {
             Refused::Unreadable(why) => self.problem(Code::FileNotFound, why),
             Refused::Outside(how) => self.problem(Code::OutsideFolder, how).help(
                 "put the file into the folder of the scene, or allow it by `--allow-outside`",
             ),
-        })
+        }
     }
 
     /// Opens a file of data, unless it is something else than its name says. Returns its first bytes and
@@ -148,12 +154,7 @@ impl Place<'_> {
             let expected = list(&known);
             let message = format!("{file} has no column {column}, expected one of {expected}");
             let problem = Problem::new(Code::UnknownName, place, Focus::Value, message);
-            return Some(match nearest(&by.column, &known) {
-                Some(meant) => problem
-                    .help(format!("did you mean {}?", quote(meant)))
-                    .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
-                None => problem,
-            });
+            return Some(problem.meaning(&by.column, &known));
         };
         (by.range.is_none() && !is_finite).then(|| {
             let message = format!(

@@ -5,7 +5,11 @@ use std::{collections::BTreeMap, mem, ops::Range};
 use crate::{
     data::fault::Spot,
     diagnostic::{Code, Diagnostic, Fix, Label, Severity, path::Path},
-    text::{nearest::quote, syntax::Fault},
+    scene::unknown,
+    text::{
+        nearest::{nearest, quote},
+        syntax::Fault,
+    },
 };
 
 /// Counts faults by code, so that only a limited number of each code is kept: a file may have one
@@ -137,6 +141,15 @@ impl Problem {
     pub(crate) fn help_of(mut self, help: Option<String>) -> Self {
         self.diagnostic.help = help;
         self
+    }
+
+    /// Adds the known name that is probably meant, if there is one, as the help and the fix.
+    pub(crate) fn meaning(mut self, name: &str, known: &[&str]) -> Self {
+        self.diagnostic = unknown::meaning(self.diagnostic, name, known);
+        match nearest(name, known) {
+            Some(meant) => self.cure(Cure::Write(serde_json::Value::from(meant).to_string())),
+            None => self,
+        }
     }
 
     pub(crate) fn cure(mut self, cure: impl Into<Option<Cure>>) -> Self {

@@ -16,18 +16,28 @@ use crate::{
 
 /// Returns the diagnostic for an unknown name, with its place in the text of the option.
 pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
-    let (found, meant) = (quote(name), nearest(name, known));
-    let message = match known {
-        [] => format!("unknown {kind} {found}, the scene has none with a name"),
-        _ => format!(
-            "unknown {kind} {found}, expected {}",
-            one_of(known, meant.is_some())
-        ),
-    };
+    let message = message(kind, name, known);
     let diagnostic = Diagnostic::new(Code::UnknownName, 0..name.len(), message);
-    match meant {
-        Some(meant) => diagnostic.with_help(format!("did you mean {}?", quote(meant))),
-        None => diagnostic,
+    meaning(diagnostic, name, known)
+}
+
+/// Returns the message about an unknown name.
+pub(crate) fn message(kind: &str, name: &str, known: &[&str]) -> String {
+    let found = quote(name);
+    match known {
+        [] => format!("unknown {kind} {found}, the scene has none with a name"),
+        _ => {
+            let expected = one_of(known, nearest(name, known).is_some());
+            format!("unknown {kind} {found}, expected {expected}")
+        }
+    }
+}
+
+/// Adds the known name that is probably meant, if there is one, as the help.
+pub(crate) fn meaning(fault: Diagnostic, name: &str, known: &[&str]) -> Diagnostic {
+    match nearest(name, known) {
+        Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
+        None => fault,
     }
 }
 
@@ -148,11 +158,7 @@ fn index_in<'m>(
             let name = element.name().unwrap_or_default();
             let Some(index) = names.clone().position(|known| known == Some(name)) else {
                 let fault = unknown(format!("no {what} has the name {}", quote(name)));
-                let names: Vec<_> = names.flatten().collect();
-                return Err(match nearest(name, &names) {
-                    Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
-                    None => fault,
-                });
+                return Err(meaning(fault, name, &names.flatten().collect::<Vec<_>>()));
             };
             element.step = Step::Index(index);
         }

@@ -18,7 +18,7 @@ use crate::{
         },
         path, unknown,
     },
-    text::nearest::{list, nearest, quote},
+    text::nearest::{list, quote},
 };
 
 /// What a track changes.
@@ -392,9 +392,5 @@ fn unknown_field(name: &str, fields: &[Field]) -> Diagnostic {
         quote(name),
         list(&known)
     );
-    let fault = unknown_path(message);
-    match nearest(name, &known) {
-        Some(meant) => fault.with_help(format!("did you mean `{meant}`?")),
-        None => fault,
-    }
+    unknown::meaning(unknown_path(message), name, &known)
 }

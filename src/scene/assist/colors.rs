@@ -70,11 +70,7 @@ pub(crate) fn texts(color: Color, syntax: Syntax) -> [String; 2] {
         let short = number.trim_end_matches('0').trim_end_matches('.');
         short.to_owned()
     });
-    let numbers = numbers.join(", ");
-    let numbers = match syntax {
-        Syntax::Ron => format!("({numbers})"),
-        Syntax::Json => format!("[{numbers}]"),
-    };
+    let numbers = syntax.tuple(&numbers.join(", "));
     [format!("\"#{r:02x}{g:02x}{b:02x}\""), numbers]
 }
 

@@ -7,7 +7,7 @@ use super::{
     files::files,
     names::{self, Name, NameKind},
     paths::paths,
-    sample::{fields, key, sample, sample_of, words_of_field},
+    sample::{fields, sample, sample_of, words_of_field},
     spot::{Finder, Fitting, Spot},
 };
 use crate::{
@@ -92,7 +92,7 @@ fn whole(syntax: Syntax) -> Completion {
     let scene = Model::of_type();
     let fields = ["camera", "geometries"].map(|name| {
         let sample = scene.value(name).map(|value| sample(value, syntax));
-        format!("    {}{},\n", key(name, syntax), sample.unwrap_or_default())
+        format!("    {}{},\n", syntax.key(name), sample.unwrap_or_default())
     });
     let fields = fields.concat();
     let insert = match syntax {
@@ -114,12 +114,9 @@ fn keys(
     syntax: Syntax,
     is_new: impl Fn(&str) -> bool,
 ) -> Vec<Completion> {
-    let written = |name: &str| {
-        let key = key(name, syntax);
-        match has_colon {
-            true => key.trim_end_matches([' ', ':']).to_owned(),
-            false => key,
-        }
+    let written = |name: &str| match has_colon {
+        true => syntax.word(name),
+        false => syntax.key(name),
     };
     let fields = fields(owner).into_iter();
     let fields = fields.filter(|(_, field)| is_new(field.name));

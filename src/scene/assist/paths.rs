@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, fmt::Write as _};
 
-use super::{Completion, CompletionKind, names::written, sample::key, spot::Finder};
+use super::{Completion, CompletionKind, names::written, spot::Finder};
 use crate::{
     scene::{
         format::{field::Field, scene::Model, thing::Type},
@@ -30,10 +30,9 @@ pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<C
     let syntax = tree.syntax();
     let items = all.found.into_iter().chain(all.defaults).map(|path| {
         let quoted = written(&path, syntax);
-        let colon = key("", syntax).trim_start_matches('"').to_owned();
         Completion {
             label: path,
-            insert: if has_colon { quoted } else { quoted + &colon },
+            insert: if has_colon { quoted } else { quoted + ": " },
             kind: CompletionKind::Name,
             detail: "value of the scene".to_owned(),
             docs: String::new(),

@@ -95,10 +95,7 @@ pub(super) fn fields(of_type: Type) -> Vec<(bool, &'static Field)> {
 
 /// Returns a value of a type as text, with all that is required.
 pub(super) fn sample(of_type: Type, syntax: Syntax) -> String {
-    let tuple = |parts: &[String]| match syntax {
-        Syntax::Ron => format!("({})", parts.join(", ")),
-        Syntax::Json => format!("[{}]", parts.join(", ")),
-    };
+    let tuple = |parts: &[String]| syntax.tuple(&parts.join(", "));
     let vector = |vector: [i8; 3]| tuple(&vector.map(|number| number.to_string()));
     match of_type {
         Type::Flag => "true".to_owned(),
@@ -144,34 +141,20 @@ fn object(of_type: Type, vector: impl Fn([i8; 3]) -> String, syntax: Syntax) -> 
             Some(point) => vector(*point),
             None => sample((field.of_type)(), syntax),
         };
-        format!("{}{value}", key(field.name, syntax))
+        syntax.key(field.name) + &value
     });
-    let fields: Vec<_> = fields.collect();
-    match syntax {
-        Syntax::Ron => format!("({})", fields.join(", ")),
-        Syntax::Json => format!("{{{}}}", fields.join(", ")),
-    }
+    syntax.object(&fields.collect::<Vec<_>>().join(", "))
 }
 
 /// Returns a variant of a type as text, with all that is required.
 pub(super) fn sample_of(of_type: Type, variant: &Variant, syntax: Syntax) -> String {
     let name = variant.name;
     match (of_type.content(variant), syntax) {
-        (None, Syntax::Ron) => name.to_owned(),
-        (None, Syntax::Json) => format!("\"{name}\""),
+        (None, _) => syntax.word(name),
         // An object has brackets of its own.
         (Some(content @ Type::Object(..)), Syntax::Ron) => {
             name.to_owned() + &sample(content, syntax)
         }
-        (Some(content), Syntax::Ron) => format!("{name}({})", sample(content, syntax)),
-        (Some(content), Syntax::Json) => format!("{{\"{name}\": {}}}", sample(content, syntax)),
-    }
-}
-
-/// Returns a key with the colon behind it.
-pub(super) fn key(name: &str, syntax: Syntax) -> String {
-    match syntax {
-        Syntax::Ron => format!("{name}: "),
-        Syntax::Json => format!("\"{name}\": "),
+        (Some(content), _) => syntax.holding(name, &sample(content, syntax)),
     }
 }

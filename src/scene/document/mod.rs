@@ -134,13 +134,14 @@ impl Document {
 
     /// Checks a text; `name` is its name in reports. Tables and parts are looked up in the current folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>, syntax: Syntax) -> Self {
-        let text = FileText {
-            text: text.into(),
-            fault: None,
-        };
-        let (options, timings) = (ReadOptions::new(), Timings::new());
+        Self::checked(name.into(), text.into(), syntax, ReadOptions::new())
+    }
+
+    /// Checks a text with these options.
+    fn checked(name: String, text: String, syntax: Syntax, options: ReadOptions) -> Self {
+        let (text, timings) = (FileText { text, fault: None }, Timings::new());
         let loaded = Loaded::from_text(text, None, syntax, &options, &timings.watch());
-        Self::new(name.into(), loaded, options, timings.clone())
+        Self::new(name, loaded, options, timings.clone())
     }
 
     fn new(name: String, loaded: Loaded, options: ReadOptions, timings: Timings) -> Self {
@@ -165,7 +166,7 @@ impl Document {
         Self {
             name: path.display().to_string(),
             path: unnamed(path),
-            source: Source::new(String::new(), Syntax::of_path(path).unwrap_or(Syntax::Ron)).into(),
+            source: Source::new("", Syntax::of_path(path).unwrap_or(Syntax::Ron)).into(),
             is_text: false,
             options: ReadOptions::new(),
             checked: Checked::refused(vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())]),
@@ -428,21 +429,12 @@ impl Document {
     /// Returns copies of the model of a scene without errors and of its tables, which are read again
     /// if they were not kept.
     fn model_and_tables(&self) -> Result<(Model, Tables), Error> {
-        match (&self.checked.model, &self.checked.tables) {
-            (Some(model), Some(tables)) if !self.has_errors() => {
-                Ok((model.clone(), tables.clone()))
-            }
-            (Some(model), None) if !self.has_errors() => {
-                let read = self.with_model(model.clone(), self.options.with_tables());
-                let (model, tables, _) = read.into_parts()?;
-                Ok((model, tables))
-            }
-            _ => {
-                let (message, listing) = self.messages();
-                let diagnostics = self.checked.diagnostics.clone();
-                Err(Error::scene(message, diagnostics, listing))
-            }
-        }
+        let copy = Self {
+            checked: self.checked.clone(),
+            ..self.findings()
+        };
+        let (model, tables, _) = copy.into_parts()?;
+        Ok((model, tables))
     }
 
     /// The model of a scene without errors, with its warnings.

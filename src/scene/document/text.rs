@@ -14,10 +14,8 @@ use crate::{
         check::check,
         convert::{self, LostComments},
         document::Document,
-        files::FileText,
         format::{camera::CameraModel, scene::Model},
         framing::{Framing, Known, Subject},
-        loaded::Loaded,
         locate::{path_at, range_of},
         origin::Origin,
         path,
@@ -122,13 +120,14 @@ impl Document {
             return Err(Error::usage(Diagnostic::new(Code::Syntax, 0..0, message)));
         }
         let edit = Edit::replace(range, text);
-        let (text, _) = edit::apply(self.text(), [&[edit][..]]);
-        let text = FileText { text, fault: None };
+        self.edited([&[edit][..]])
+    }
+
+    /// Applies edits to the text, then reads and checks it again.
+    fn edited<'e>(&self, edits: impl IntoIterator<Item = &'e [Edit]>) -> Result<Self, Error> {
+        let (text, _) = edit::apply(self.text(), edits);
         let (name, options) = (self.name.clone(), self.options.clone());
-        let timings = Timings::new();
-        let loaded = Loaded::from_text(text, None, self.syntax(), &options, &timings.watch());
-        let document = Self::new(name, loaded, options, timings.clone());
-        document.unless_cancelled()
+        Self::checked(name, text, self.syntax(), options).unless_cancelled()
     }
 
     /// Replaces each camera `Fit` in the text by the camera that it becomes in a picture of the
@@ -199,13 +198,7 @@ impl Document {
             line: self.lines().position(first.start).line,
         });
         let edits = edits.iter().map(|edits| &**edits);
-        let (text, _) = edit::apply(self.text(), edits);
-        let text = FileText { text, fault: None };
-        let (name, options) = (self.name.clone(), self.options.clone());
-        let timings = Timings::new();
-        let loaded = Loaded::from_text(text, None, self.syntax(), &options, &timings.watch());
-        let document = Self::new(name, loaded, options, timings.clone());
-        Ok((document.unless_cancelled()?, lost))
+        Ok((self.edited(edits)?, lost))
     }
 
     /// The lines of the text.

@@ -5,7 +5,7 @@ use crate::{
     scene::recover::{Text, access::name_of},
     text::{
         edit::Edit,
-        syntax::{NodeId, NodeKind, Syntax, float},
+        syntax::{NodeId, NodeKind, float},
     },
 };
 
@@ -35,6 +35,7 @@ pub(super) fn field(
             field,
         })
     };
+    let syntax = document.tree.syntax();
     let (middle, sides) = (["center", "position"], ["size", "side", "dimensions"]);
     let heights = ["height", "length"];
     if has(&["min", "max"]) && (middle.contains(&spelt) || sides.contains(&spelt)) {
@@ -66,18 +67,13 @@ pub(super) fn field(
         let fix = alone.map(|(key, value)| {
             let end = document.tree.node(value).range().end;
             let start = document.tree.node(key).range().start;
-            let [open, close] = match document.tree.syntax() {
-                Syntax::Ron => ["transform: (", ")"],
-                Syntax::Json => ["\"transform\": {", "}"],
-            };
+            let [open, close] = syntax.brackets();
+            let open = syntax.key("transform") + open;
             Fix::safe([Edit::insert(start, open), Edit::insert(end, close)])
         });
-        let help = match document.tree.syntax() {
-            Syntax::Ron => format!("write it in the transform: `transform: ({spelt}: …)`"),
-            Syntax::Json => {
-                format!("write it in the transform: `\"transform\": {{\"{spelt}\": …}}`")
-            }
-        };
+        let inside = syntax.object(&(syntax.key(spelt) + "…"));
+        let key = syntax.key("transform");
+        let help = format!("write it in the transform: `{key}{inside}`");
         return meant(&help, fix, None);
     }
     // A movie may be meant to repeat.
@@ -108,10 +104,9 @@ fn corners(
             let point: Vec<_> = point.map(|number| number.to_string()).collect();
             let point = point.join(", ");
             let has_comments = !document.tree.comments_in(range.clone()).is_empty();
-            (!has_comments).then(|| match document.tree.syntax() {
-                Syntax::Ron => Edit::replace(range, format!("{name}: ({point})")),
-                Syntax::Json => Edit::replace(range, format!("\"{name}\": [{point}]")),
-            })
+            let syntax = document.tree.syntax();
+            let text = syntax.key(name) + &syntax.tuple(&point);
+            (!has_comments).then(|| Edit::replace(range, text))
         });
     let [Some(one), Some(other)] = edits else {
         return None;

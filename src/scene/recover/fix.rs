@@ -13,20 +13,7 @@ use crate::{
 
 /// Replaces a name by another one.
 pub(super) fn renamed(document: Text<'_>, place: Range<usize>, name: &str) -> Fix {
-    let text = match document.tree.syntax() {
-        Syntax::Ron => name.to_owned(),
-        Syntax::Json => format!("\"{name}\""),
-    };
-    Fix::safe([Edit::replace(place, text)])
-}
-
-/// Adds the brackets of a variant with fields to its name.
-pub(super) fn opened(document: Text<'_>, place: Range<usize>, name: &str) -> Fix {
-    let text = match document.tree.syntax() {
-        Syntax::Ron => format!("{name}()"),
-        Syntax::Json => format!("{{\"{name}\": {{}}}}"),
-    };
-    Fix::safe([Edit::replace(place, text)])
+    Fix::safe([Edit::replace(place, document.tree.syntax().word(name))])
 }
 
 /// Removes the second of two fields: a safe fix if both values are equal.

@@ -93,14 +93,7 @@ fn numbers(document: Text<'_>, id: NodeId) -> Option<String> {
         return None;
     }
     let values: Vec<_> = values.iter().map(|value| document.source(*value)).collect();
-    Some(tuple(tree.syntax(), &values.join(", ")))
-}
-
-fn tuple(syntax: Syntax, items: &str) -> String {
-    match syntax {
-        Syntax::Ron => format!("({items})"),
-        Syntax::Json => format!("[{items}]"),
-    }
+    Some(tree.syntax().tuple(&values.join(", ")))
 }
 
 /// Returns true for several colors in the place of one.
@@ -131,11 +124,9 @@ fn is_gradient(document: Text<'_>, id: NodeId) -> bool {
 pub(super) fn rotation(document: Text<'_>, id: NodeId) -> Option<Advice> {
     let (tree, syntax) = (document.tree, document.tree.syntax());
     let shown = |axis: &str, angle: &str| {
-        let axis = tuple(syntax, axis);
-        match syntax {
-            Syntax::Ron => format!("(axis: {axis}, angle: {angle})"),
-            Syntax::Json => format!("{{\"axis\": {axis}, \"angle\": {angle}}}"),
-        }
+        let [of_axis, of_angle] = ["axis", "angle"].map(|name| syntax.key(name));
+        let axis = syntax.tuple(axis);
+        syntax.object(&format!("{of_axis}{axis}, {of_angle}{angle}"))
     };
     let children = match tree.node(id).kind() {
         NodeKind::Tuple | NodeKind::List => tree.children(id).collect(),

@@ -53,19 +53,12 @@ pub(super) fn with_names(
     let syntax = tree.syntax();
     let shown = pairs().map(|(name, value)| {
         let value = source(value);
-        let value = value.trim_matches('`');
-        match syntax {
-            Syntax::Ron => format!("{name}: {value}"),
-            Syntax::Json => format!("\"{name}\": {value}"),
-        }
+        syntax.key(name) + value.trim_matches('`')
     });
     let shown: Vec<_> = shown.collect();
     let shown = shown.join(", ");
-    diagnostic.help = Some(match (syntax, variant) {
-        (_, None) => format!("write `{shown}`"),
-        (Syntax::Ron, Some(variant)) => format!("write `{variant}({shown})`"),
-        (Syntax::Json, Some(variant)) => format!("write `{{\"{variant}\": {{{shown}}}}}`"),
-    });
+    let shown = variant.map_or(shown.clone(), |variant| syntax.variant(variant, &shown));
+    diagnostic.help = Some(format!("write `{shown}`"));
     let edits = pairs().flat_map(|(name, value)| {
         let range = range(value);
         match syntax {

@@ -189,10 +189,7 @@ fn has_names(variants: &[&str]) -> bool {
 /// The help for someone who wrote the name of a material, maybe in quotes, where one is expected.
 fn by_name(syntax: Syntax, name: &str) -> String {
     let (name, variant) = (name.trim_matches('"'), NamedModel::VARIANT);
-    let spelt = match syntax {
-        Syntax::Ron => format!("{variant}(\"{name}\")"),
-        Syntax::Json => format!("{{\"{variant}\": \"{name}\"}}"),
-    };
+    let spelt = syntax.holding(variant, &format!("\"{name}\""));
     format!("to name one of `materials`, write `{spelt}`")
 }
 
@@ -287,13 +284,8 @@ impl Variant<'_, '_> {
         if inside.is_none() {
             let expected = format!("`{name}` with {expected}");
             let diagnostic = document.wrong_type(*whole, self.path, expected);
-            document.replace(
-                *whole,
-                diagnostic.with_help(match tree.syntax() {
-                    Syntax::Ron => format!("write `{name}({example})`"),
-                    Syntax::Json => format!("write `{{\"{name}\": {example}}}`"),
-                }),
-            );
+            let spelt = tree.syntax().holding(name, example);
+            document.replace(*whole, diagnostic.with_help(format!("write `{spelt}`")));
         }
         inside
     }
@@ -316,12 +308,15 @@ impl Variant<'_, '_> {
                 _ => whole,
             };
             let expected = expected(document.tree.syntax(), name, body.is_some(), known);
-            let mut diagnostic = document
-                .wrong_type(whole, path, expected)
-                .with_help(with_fields(document.tree.syntax(), name, known));
-            // A name alone lacks its brackets.
-            diagnostic.fix = body.is_none().then(|| fix::opened(document, place, name));
             let (text, tree) = (document.text, document.tree);
+            let syntax = tree.syntax();
+            let first = known.first().map(|field| syntax.key(field) + "…");
+            let spelt = syntax.variant(name, &first.unwrap_or_default());
+            let mut diagnostic = document.wrong_type(whole, path, expected);
+            diagnostic.help = Some(format!("write `{spelt}`"));
+            // A name alone lacks its brackets.
+            let opened = || Fix::safe([Edit::replace(place, syntax.variant(name, ""))]);
+            diagnostic.fix = body.is_none().then(opened);
             let values: Vec<_> = match (tree.syntax(), body) {
                 (Syntax::Ron, Some(body)) => tree.children(body).collect(),
                 (Syntax::Json, body) => body.into_iter().collect(),
@@ -368,10 +363,7 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
                 let place = document.tree.node(whole).range();
                 fix::renamed(document, place, name)
             });
-            let alone = match document.tree.syntax() {
-                Syntax::Ron => name.to_owned(),
-                Syntax::Json => format!("\"{name}\""),
-            };
+            let alone = document.tree.syntax().word(name);
             document.replace(whole, diagnostic.with_help(format!("write `{alone}`")));
         }
         Ok(())
@@ -456,16 +448,6 @@ fn expected(syntax: Syntax, name: &str, has_body: bool, known: &[&str]) -> Strin
         (Syntax::Json, false, []) => format!("`{name}` with an empty object"),
         (Syntax::Ron, _, []) => format!("`{name}` with empty brackets"),
         _ => format!("`{name}` with named fields"),
-    }
-}
-
-/// The help for a variant that is not written with its fields, of which there may be none.
-fn with_fields(syntax: Syntax, name: &str, known: &[&str]) -> String {
-    match (syntax, known.first()) {
-        (Syntax::Ron, None) => format!("write `{name}()`"),
-        (Syntax::Ron, Some(field)) => format!("write `{name}({field}: …)`"),
-        (Syntax::Json, None) => format!("write `{{\"{name}\": {{}}}}`"),
-        (Syntax::Json, Some(field)) => format!("write `{{\"{name}\": {{\"{field}\": …}}}}`"),
     }
 }
 

@@ -22,7 +22,7 @@ use crate::{
         unknown,
     },
     text::{
-        nearest::{nearest, quote},
+        nearest::quote,
         syntax::{self, NodeId, NodeKind, Syntax, Tree},
     },
 };
@@ -178,9 +178,9 @@ impl<'a> Fill<'a> {
             };
             let content = found.and_then(|it| it.content).map(|of_type| of_type());
             let is_object = matches!(of_type, Some(Type::Object(..) | Type::OneOf(_)));
-            let [open, close] = match self.syntax {
-                Syntax::Ron if is_object => ['(', ')'],
-                Syntax::Ron | Syntax::Json => ['{', '}'],
+            let [open, close] = match is_object {
+                true => self.syntax.brackets(),
+                false => ["{", "}"],
             };
             let (around, end) = match (found.map(|it| it.name), self.syntax) {
                 (Some(name), Syntax::Ron) => (name.to_owned(), ""),
@@ -275,10 +275,7 @@ impl<'a> Fill<'a> {
             _ if self.inside().iter().any(|part| part.name().is_none()) => {
                 // The name of a list may be misspelt.
                 let fault = self.not_given(self.path.len());
-                match nearest(part.name().unwrap_or_default(), &fields) {
-                    Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
-                    None => fault,
-                }
+                unknown::meaning(fault, part.name().unwrap_or_default(), &fields)
             }
             // Alone in its struct, so that the field it resembles does not count as given.
             (of_type, _) => match self.create::<T>(Some(of_type), thing.variant()) {

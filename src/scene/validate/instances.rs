@@ -9,9 +9,10 @@ use crate::{
             scene::Model,
         },
         instances::{Prototypes, Refused},
-        problem::{Cure, Focus, Problem},
+        problem::{Focus, Problem},
+        unknown,
     },
-    text::nearest::{nearest, one_of, quote},
+    text::nearest::quote,
 };
 
 impl Found {
@@ -136,20 +137,10 @@ impl Found {
             Refused::Unknown => {
                 let known = model.walk().filter_map(|(_, geometry)| geometry.name());
                 let known: Vec<_> = known.take(MOST).collect();
-                let message = match &*known {
-                    [] => format!("unknown geometry {found}, the scene has none with a name"),
-                    known => {
-                        let expected = one_of(known, nearest(name, known).is_some());
-                        format!("unknown geometry {found}, expected {expected}")
-                    }
-                };
+                let message = unknown::message("geometry", name, &known);
                 let problem = Problem::new(Code::UnknownName, place, Focus::Value, message);
-                match nearest(name, &known) {
-                    Some(meant) => problem
-                        .help(format!("did you mean {}?", quote(meant)))
-                        .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
-                    None => problem.help("give the geometry to copy a `name`"),
-                }
+                let problem = problem.help("give the geometry to copy a `name`");
+                problem.meaning(name, &known)
             }
         };
         self.push(problem);

@@ -13,9 +13,10 @@ use crate::{
             scene::Model,
             thing::{Needs, Set, Thing},
         },
-        problem::{Cure, Focus, Problem},
+        problem::{Focus, Problem},
+        unknown,
     },
-    text::nearest::{nearest, one_of, quote},
+    text::nearest::quote,
 };
 
 impl Found {
@@ -120,23 +121,14 @@ impl Found {
         }
         let known: Vec<&str> = model.names_of_materials().collect();
         let message = match &*known {
-            [] => format!(
-                "unknown material {}, the scene has no `materials`",
-                quote(name)
-            ),
-            known => format!(
-                "unknown material {}, expected {}",
-                quote(name),
-                one_of(known, nearest(name, known).is_some())
-            ),
+            [] => {
+                let name = quote(name);
+                format!("unknown material {name}, the scene has no `materials`")
+            }
+            known => unknown::message("material", name, known),
         };
         let problem = Problem::new(Code::UnknownName, path(), Focus::Content, message);
-        self.push(match nearest(name, &known) {
-            Some(meant) => problem
-                .help(format!("did you mean {}?", quote(meant)))
-                .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
-            None => problem,
-        });
+        self.push(problem.meaning(name, &known));
     }
 
     /// Warns about what only lights show of a material: all but its first color.

@@ -33,12 +33,12 @@ use crate::{
             warning::WarningName,
         },
         framing::{Framing, Known, Subject},
-        problem::{Cure, Focus, Problem, Tally},
+        problem::{Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
+        unknown,
         validate::{eye::is_glass, inward::Inward, material::both},
     },
-    text::nearest::{nearest, one_of, quote},
 };
 
 /// What the checks of a scene depend on besides the scene.
@@ -320,18 +320,10 @@ impl Found {
                     format!("`{error}` is an error, which cannot be allowed")
                 }
                 Ok(_) => continue,
-                Err(_) => {
-                    let expected = one_of(&warnings, nearest(name, &warnings).is_some());
-                    format!("unknown warning {}, expected {expected}", quote(name))
-                }
+                Err(_) => unknown::message("warning", name, &warnings),
             };
             let problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
-            self.push(match nearest(name, &warnings) {
-                Some(name) => problem
-                    .help(format!("did you mean `{name}`?"))
-                    .cure(Cure::Write(format!("\"{name}\""))),
-                None => problem.help("remove it"),
-            });
+            self.push(problem.help("remove it").meaning(name, &warnings));
         }
     }
 

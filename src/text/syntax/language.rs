@@ -40,6 +40,57 @@ impl Syntax {
             Self::Ron
         }
     }
+
+    /// Returns the name of a field or a variant as it is written.
+    pub(crate) fn word(self, name: &str) -> String {
+        match self {
+            Self::Ron => name.to_owned(),
+            Self::Json => format!("\"{name}\""),
+        }
+    }
+
+    /// Returns the name of a field with the colon behind it.
+    pub(crate) fn key(self, name: &str) -> String {
+        self.word(name) + ": "
+    }
+
+    /// Returns the brackets around the fields of an object.
+    pub(crate) const fn brackets(self) -> [&'static str; 2] {
+        match self {
+            Self::Ron => ["(", ")"],
+            Self::Json => ["{", "}"],
+        }
+    }
+
+    /// Returns an object with these fields.
+    pub(crate) fn object(self, fields: &str) -> String {
+        let [open, close] = self.brackets();
+        format!("{open}{fields}{close}")
+    }
+
+    /// Returns a tuple of these values.
+    pub(crate) fn tuple(self, values: &str) -> String {
+        match self {
+            Self::Ron => format!("({values})"),
+            Self::Json => format!("[{values}]"),
+        }
+    }
+
+    /// Returns a variant that is an object with these fields.
+    pub(crate) fn variant(self, name: &str, fields: &str) -> String {
+        match self {
+            Self::Ron => format!("{name}({fields})"),
+            Self::Json => self.holding(name, &self.object(fields)),
+        }
+    }
+
+    /// Returns a variant that holds a value which is not an object.
+    pub(crate) fn holding(self, name: &str, value: &str) -> String {
+        match self {
+            Self::Ron => format!("{name}({value})"),
+            Self::Json => format!("{{\"{name}\": {value}}}"),
+        }
+    }
 }
 
 #[cfg(test)]
