@@ -32,7 +32,7 @@ pub use limit::PictureOptions;
 pub use picture::Picture;
 
 use crate::{
-    diagnostic::error::Error,
+    diagnostic::{error::Error, setters::setters},
     film::size::Size,
     image_file::{
         self, Sink,
@@ -105,27 +105,17 @@ impl CompareOptions {
         Self::default()
     }
 
-    /// Sets the number of threads; 0 means one per core, the default. The results are the same.
-    #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = (threads > 0).then_some(threads);
-        self
-    }
+    setters! {
+        /// Sets the number of threads; 0 means one per core, the default. The results are the same.
+        threads(threads: usize) => threads = (threads > 0).then_some(threads);
 
-    /// Sets the handle that can cancel the work.
-    #[must_use]
-    pub fn cancel(mut self, cancel: Cancel) -> Self {
-        self.cancel = cancel;
-        self
-    }
+        /// Sets the handle that can cancel the work.
+        cancel(cancel: Cancel) => cancel = cancel;
 
-    /// Writes a heat picture of the differences to a file, whose extension determines the format.
-    /// Brighter pixels have a larger FLIP error; any pixel that differs is brighter than those that
-    /// do not.
-    #[must_use]
-    pub fn heat(mut self, path: impl AsRef<Path>) -> Self {
-        self.heat = Some(path.as_ref().to_owned());
-        self
+        /// Writes a heat picture of the differences to a file, whose extension determines the format.
+        /// Brighter pixels have a larger FLIP error; any pixel that differs is brighter than those that
+        /// do not.
+        heat(path: impl AsRef<Path>) => heat = Some(path.as_ref().to_owned());
     }
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod named;
 pub(crate) mod path;
 pub(crate) mod plain;
 pub(crate) mod reading;
+pub(crate) mod setters;
 
 use std::ops::Range;
 
@@ -17,6 +18,7 @@ pub use path::{Path, Step};
 pub use reading::{is_named_pipe, open_file, read_file, read_text};
 
 use named::named;
+use setters::setters;
 
 use crate::text::edit::Edit;
 
@@ -267,25 +269,15 @@ impl Diagnostic {
         }
     }
 
-    /// Adds the fix in words.
-    #[must_use]
-    pub fn with_help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
-    }
+    setters! {
+        /// Adds the fix in words.
+        with_help(help: impl Into<String>) => help = Some(help.into());
 
-    /// Adds the fix as edits.
-    #[must_use]
-    pub fn with_fix(mut self, fix: impl Into<Option<Fix>>) -> Self {
-        self.fix = fix.into();
-        self
-    }
+        /// Adds the fix as edits.
+        with_fix(fix: impl Into<Option<Fix>>) => fix = fix.into();
 
-    /// Sets the path of the field concerned.
-    #[must_use]
-    pub fn with_path(mut self, path: impl Into<Path>) -> Self {
-        self.path = path.into();
-        self
+        /// Sets the path of the field concerned.
+        with_path(path: impl Into<Path>) => path = path.into();
     }
 
     /// Returns the same fault in another text, where each range is as given by `place`.

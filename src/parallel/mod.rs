@@ -327,7 +327,24 @@ impl fmt::Debug for Cancel {
 }
 
 /// A callback that receives the number of units of work just done. It is called from any thread.
-pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
+#[derive(Clone)]
+pub(crate) struct OnProgress(Arc<dyn Fn(u64) + Send + Sync>);
+
+impl OnProgress {
+    pub(crate) fn new(of_units: impl Fn(u64) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(of_units))
+    }
+
+    pub(crate) fn add(&self, units: u64) {
+        (self.0)(units);
+    }
+}
+
+impl fmt::Debug for OnProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("OnProgress")
+    }
+}
 
 #[cfg(test)]
 mod tests {

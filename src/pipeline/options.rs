@@ -1,13 +1,12 @@
 //! The options for rendering a scene.
 
-use std::{
-    fmt,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        setters::setters,
+    },
     film::{crop::Crop, samples::Samples, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, timings::Timings},
@@ -19,7 +18,7 @@ use crate::{
 };
 
 /// Render options that override those of the scene.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct RenderOptions {
     pub(super) format: Option<ImageFormat>,
     pub(super) size: Option<Size>,
@@ -94,11 +93,63 @@ impl RenderOptions {
         self.format.map_or_else(|| ImageFormat::of_path(path), Ok)
     }
 
-    /// Sets the format of files regardless of their extension, such as for a device without one.
-    #[must_use]
-    pub fn format(mut self, format: ImageFormat) -> Self {
-        self.format = Some(format);
-        self
+    setters! {
+        /// Sets the format of files regardless of their extension, such as for a device without one.
+        format(format: ImageFormat) => format = Some(format);
+
+        /// Gives the picture an alpha channel, the fraction of each pixel covered by geometries,
+        /// instead of the background.
+        transparent(is_transparent: bool) => settings.is_transparent = is_transparent;
+
+        /// Sets the bits per number, 8, 16 or 32, in formats that offer a choice. 32 bits are floats in
+        /// linear light.
+        bits(bits: u8) => settings.bits = Some(bits);
+
+        /// Sets the depths that map to 0 and to the largest integer, where depths are integers.
+        depth_range(near: f64, far: f64) => settings.depth_range = Some((near, far));
+
+        /// Sets the quality in lossy formats, from 1 to 100; the default is 90.
+        quality(quality: u8) => quality = Some(quality);
+
+        /// Adds metadata to the file: the program version, a hash of the picture's inputs, and the
+        /// camera.
+        metadata(metadata: bool) => metadata = metadata;
+
+        /// Sets the size, instead of that of the scene.
+        size(size: Size) => size = Some(size);
+
+        /// Renders only a part of the picture; its pixels are the same as in the whole picture.
+        crop(crop: Crop) => crop = Some(crop);
+
+        /// Sets the samples per pixel, instead of those of the scene.
+        samples(samples: Samples) => samples = Some(samples);
+
+        /// Sets the number of threads; 0, the default, means one per core. The picture is the same for
+        /// every number.
+        threads(threads: usize) => threads = (threads > 0).then_some(threads);
+
+        /// Sets an instruction set other than the best one of the processor. The picture is the same
+        /// for each.
+        #[doc(hidden)]
+        isa(isa: Isa) => isa = isa;
+
+        /// Sets the compression of the pixels, in formats that offer [a
+        /// choice](ImageFormat::compressions).
+        compression(compression: Compression) => compression = compression;
+
+        /// Sets when a file is indexed, in formats that [have palettes](ImageFormat::has_palette).
+        palette(palette: Palette) => palette = palette;
+
+        /// Sets the handle that can cancel the work.
+        cancel(cancel: Cancel) => cancel = cancel;
+
+        /// Sets a callback that receives the number of pixels just rendered. It is called from any
+        /// thread.
+        on_progress(progress: impl Fn(u64) + Send + Sync + 'static) => progress = Some(OnProgress::new(progress));
+
+        /// Sets the timings that the stages are added to, such as
+        /// [`Scene::timings`](crate::Scene::timings).
+        timings(timings: Timings) => timings = timings;
     }
 
     /// Returns the files that [`Scene::save_with`](crate::Scene::save_with) writes for a path, with
@@ -139,144 +190,8 @@ impl RenderOptions {
         self
     }
 
-    /// Gives the picture an alpha channel, the fraction of each pixel covered by geometries,
-    /// instead of the background.
-    #[must_use]
-    pub fn transparent(mut self, is_transparent: bool) -> Self {
-        self.settings.is_transparent = is_transparent;
-        self
-    }
-
-    /// Sets the bits per number, 8, 16 or 32, in formats that offer a choice. 32 bits are floats in
-    /// linear light.
-    #[must_use]
-    pub fn bits(mut self, bits: u8) -> Self {
-        self.settings.bits = Some(bits);
-        self
-    }
-
-    /// Sets the depths that map to 0 and to the largest integer, where depths are integers.
-    #[must_use]
-    pub fn depth_range(mut self, near: f64, far: f64) -> Self {
-        self.settings.depth_range = Some((near, far));
-        self
-    }
-
-    /// Sets the quality in lossy formats, from 1 to 100; the default is 90.
-    #[must_use]
-    pub fn quality(mut self, quality: u8) -> Self {
-        self.quality = Some(quality);
-        self
-    }
-
-    /// Adds metadata to the file: the program version, a hash of the picture's inputs, and the
-    /// camera.
-    #[must_use]
-    pub fn metadata(mut self, metadata: bool) -> Self {
-        self.metadata = metadata;
-        self
-    }
-
-    /// Sets the size, instead of that of the scene.
-    #[must_use]
-    pub fn size(mut self, size: Size) -> Self {
-        self.size = Some(size);
-        self
-    }
-
-    /// Renders only a part of the picture; its pixels are the same as in the whole picture.
-    #[must_use]
-    pub fn crop(mut self, crop: Crop) -> Self {
-        self.crop = Some(crop);
-        self
-    }
-
-    /// Sets the samples per pixel, instead of those of the scene.
-    #[must_use]
-    pub fn samples(mut self, samples: Samples) -> Self {
-        self.samples = Some(samples);
-        self
-    }
-
-    /// Sets the number of threads; 0, the default, means one per core. The picture is the same for
-    /// every number.
-    #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = (threads > 0).then_some(threads);
-        self
-    }
-
-    /// Sets an instruction set other than the best one of the processor. The picture is the same
-    /// for each.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn isa(mut self, isa: Isa) -> Self {
-        self.isa = isa;
-        self
-    }
-
     /// Returns the number of threads that will render.
     pub fn thread_count(&self) -> usize {
         parallel::thread_count(self.threads)
-    }
-
-    /// Sets the compression of the pixels, in formats that offer [a
-    /// choice](ImageFormat::compressions).
-    #[must_use]
-    pub fn compression(mut self, compression: Compression) -> Self {
-        self.compression = compression;
-        self
-    }
-
-    /// Sets when a file is indexed, in formats that [have palettes](ImageFormat::has_palette).
-    #[must_use]
-    pub fn palette(mut self, palette: Palette) -> Self {
-        self.palette = palette;
-        self
-    }
-
-    /// Sets the handle that can cancel the work.
-    #[must_use]
-    pub fn cancel(mut self, cancel: Cancel) -> Self {
-        self.cancel = cancel;
-        self
-    }
-
-    /// Sets a callback that receives the number of pixels just rendered. It is called from any
-    /// thread.
-    #[must_use]
-    pub fn on_progress(mut self, progress: impl Fn(u64) + Send + Sync + 'static) -> Self {
-        self.progress = Some(Arc::new(progress));
-        self
-    }
-
-    /// Sets the timings that the stages are added to, such as
-    /// [`Scene::timings`](crate::Scene::timings).
-    #[must_use]
-    pub fn timings(mut self, timings: Timings) -> Self {
-        self.timings = timings;
-        self
-    }
-}
-
-impl fmt::Debug for RenderOptions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("RenderOptions")
-            .field("format", &self.format)
-            .field("size", &self.size)
-            .field("crop", &self.crop)
-            .field("samples", &self.samples)
-            .field("layers", &self.layers)
-            .field("settings", &self.settings)
-            .field("quality", &self.quality)
-            .field("metadata", &self.metadata)
-            .field("threads", &self.threads)
-            .field("compression", &self.compression)
-            .field("palette", &self.palette)
-            .field("cancel", &self.cancel)
-            .field("progress", &self.progress.is_some())
-            .field("timings", &self.timings)
-            .field("isa", &self.isa)
-            .finish()
     }
 }

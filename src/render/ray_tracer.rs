@@ -5,7 +5,7 @@ use crate::{
         first_hits::{FirstHits, Work, cut},
         grouping::TILE,
     },
-    diagnostic::error::Error,
+    diagnostic::{error::Error, setters::setters},
     film::{
         Centers, Film, Image, Outlines, Wanted,
         colors::ColorTable,
@@ -83,14 +83,6 @@ impl<'a> RayTracer<'a> {
         }
     }
 
-    /// Sets the number of rays per pixel; the default is one. A pixel shows the mean of their
-    /// colors, taken in linear light.
-    #[must_use]
-    pub fn samples(mut self, samples: Samples) -> Self {
-        self.samples = samples;
-        self
-    }
-
     /// Sets the exposure and the tone mapping of a lit picture; a flat one has none.
     #[must_use]
     pub fn tone(mut self, tone: Tone) -> Self {
@@ -98,11 +90,18 @@ impl<'a> RayTracer<'a> {
         self
     }
 
-    /// Sets the outlines; there are none by default.
-    #[must_use]
-    pub fn outlines(mut self, outlines: impl Into<Option<Outlines>>) -> Self {
-        self.outlines = outlines.into();
-        self
+    setters! {
+        /// Sets the number of rays per pixel; the default is one. A pixel shows the mean of their
+        /// colors, taken in linear light.
+        samples(samples: Samples) => samples = samples;
+
+        /// Sets the outlines; there are none by default.
+        outlines(outlines: impl Into<Option<Outlines>>) => outlines = outlines.into();
+
+        /// Sets an instruction set other than the best one of the processor. The picture is the same
+        /// for each.
+        #[doc(hidden)]
+        isa(isa: Isa) => isa = isa;
     }
 
     /// Returns true if the picture is shaded sample by sample; otherwise, a pixel shows the color of
@@ -113,14 +112,6 @@ impl<'a> RayTracer<'a> {
             Wanted::Bytes(_) | Wanted::Light => !self.world.is_plain() || self.outlines.is_some(),
             Wanted::Parts => true,
         }
-    }
-
-    /// Sets an instruction set other than the best one of the processor. The picture is the same
-    /// for each.
-    #[doc(hidden)]
-    pub fn isa(mut self, isa: Isa) -> Self {
-        self.isa = isa;
-        self
     }
 
     /// Renders the picture on the calling thread. Each pixel shows the result of [`World::hit`] for

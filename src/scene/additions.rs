@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::{
+    diagnostic::setters::setters,
     scene::{
         format::{
             camera::{CameraModel, UP},
@@ -88,53 +89,43 @@ fn framing(camera: Option<&CameraModel>, from: Triple) -> CameraModel {
 }
 
 impl ReadOptions {
-    /// Lets all cameras of a scene frame its bounded geometries, seen from this direction, as if
-    /// each were a `Fit`; a scene without a camera gets one. They keep their projections, and no
-    /// track moves them.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use strahl::{Document, ReadOptions, Scene, Syntax};
-    ///
-    /// let text = "(geometries: [Sphere(center: (3, 4, 5), radius: 1, color: \"#ff0000\")])";
-    /// let options = ReadOptions::new().syntax(Syntax::Ron).fit([0.0, 0.0, 1.0]);
-    /// let scene = Scene::try_from(Document::from_reader("ball.ron", text.as_bytes(), &options)?)?;
-    /// assert_eq!((scene.camera().eye().x, scene.camera().eye().y), (3.0, 4.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn fit(mut self, from: [f64; 3]) -> Self {
-        self.additions.fit = Some(from);
-        self
-    }
+    setters! {
+        /// Lets all cameras of a scene frame its bounded geometries, seen from this direction, as if
+        /// each were a `Fit`; a scene without a camera gets one. They keep their projections, and no
+        /// track moves them.
+        ///
+        /// # Examples
+        ///
+        /// ```
+        /// use strahl::{Document, ReadOptions, Scene, Syntax};
+        ///
+        /// let text = "(geometries: [Sphere(center: (3, 4, 5), radius: 1, color: \"#ff0000\")])";
+        /// let options = ReadOptions::new().syntax(Syntax::Ron).fit([0.0, 0.0, 1.0]);
+        /// let scene = Scene::try_from(Document::from_reader("ball.ron", text.as_bytes(), &options)?)?;
+        /// assert_eq!((scene.camera().eye().x, scene.camera().eye().y), (3.0, 4.0));
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
+        fit(from: [f64; 3]) => additions.fit = Some(from);
 
-    /// Lights a scene that has no `lights` by a headlight.
-    /// [`Document::has_lights`](crate::Document::has_lights) tells whether it has some.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use strahl::{Document, ReadOptions, Scene, Syntax};
-    ///
-    /// let text = "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30), \
-    ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\")])";
-    /// let options = ReadOptions::new().syntax(Syntax::Ron).headlight(true);
-    /// let document = Document::from_reader("flat.ron", text.as_bytes(), &options)?;
-    /// assert!(!document.has_lights());
-    /// assert!(Scene::try_from(document)?.world().lighting().is_some());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn headlight(mut self, add: bool) -> Self {
-        self.additions.headlight = add;
-        self
-    }
+        /// Lights a scene that has no `lights` by a headlight.
+        /// [`Document::has_lights`](crate::Document::has_lights) tells whether it has some.
+        ///
+        /// # Examples
+        ///
+        /// ```
+        /// use strahl::{Document, ReadOptions, Scene, Syntax};
+        ///
+        /// let text = "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30), \
+        ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\")])";
+        /// let options = ReadOptions::new().syntax(Syntax::Ron).headlight(true);
+        /// let document = Document::from_reader("flat.ron", text.as_bytes(), &options)?;
+        /// assert!(!document.has_lights());
+        /// assert!(Scene::try_from(document)?.world().lighting().is_some());
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
+        headlight(add: bool) => additions.headlight = add;
 
-    /// Adds the default outlines to a scene that has no `outlines`.
-    #[must_use]
-    pub fn outlines(mut self, add: bool) -> Self {
-        self.additions.outlines = add;
-        self
+        /// Adds the default outlines to a scene that has no `outlines`.
+        outlines(add: bool) => additions.outlines = add;
     }
 }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::levels::Levels,
+    diagnostic::{levels::Levels, setters::setters},
     parallel::{Cancel, Pool},
     scene::{
         additions::Additions,
@@ -67,34 +67,44 @@ impl ReadOptions {
         Self::default()
     }
 
-    /// Sets the syntax of a scene whose file extension does not determine it.
-    #[must_use]
-    pub fn syntax(mut self, syntax: impl Into<Option<Syntax>>) -> Self {
-        self.syntax = syntax.into();
-        self
-    }
+    setters! {
+        /// Sets the syntax of a scene whose file extension does not determine it.
+        syntax(syntax: impl Into<Option<Syntax>>) => syntax = syntax.into();
 
-    /// The lint levels of the warnings.
-    #[must_use]
-    pub fn levels(mut self, levels: Levels) -> Self {
-        self.levels = levels;
-        self
-    }
+        /// The lint levels of the warnings.
+        levels(levels: Levels) => levels = levels;
 
-    /// Sets the folder of a scene that is not a file: the tables and parts it names are in this
-    /// folder, not in the current one.
-    #[must_use]
-    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
-        self.folder = Some(folder.into());
-        self
-    }
+        /// Sets the folder of a scene that is not a file: the tables and parts it names are in this
+        /// folder, not in the current one.
+        folder(folder: impl Into<PathBuf>) => folder = Some(folder.into());
 
-    /// Allows the scene to name tables and parts outside of its folder, by an absolute path, by `..`
-    /// or through a link. The author of the scene then chooses among all readable files.
-    #[must_use]
-    pub fn allow_outside(mut self, allow: bool) -> Self {
-        self.outside = allow;
-        self
+        /// Allows the scene to name tables and parts outside of its folder, by an absolute path, by `..`
+        /// or through a link. The author of the scene then chooses among all readable files.
+        allow_outside(allow: bool) => outside = allow;
+
+        /// Checks a scene without a camera as a part of another one: it needs none, and nothing is said
+        /// about what a picture of the part alone would show.
+        as_part(is_part: bool) => is_part = is_part;
+
+        /// Keeps the text of a large scene without faults, which is the default. With `false` the file
+        /// is read block by block, which saves memory if only the scene is needed, and
+        /// [`Document::text`](crate::Document::text) is empty.
+        keep_text(keep: bool) => without_text = !keep;
+
+        /// Reads the scene, its tables and its parts from these files instead of the disk.
+        files(files: impl Files + 'static) => files = Some(Arc::new(files));
+
+        /// Stops reading with an error once `cancel` is cancelled.
+        cancel(cancel: Cancel) => cancel = Some(cancel);
+
+        /// Keeps at most this many diagnostics of each code, 1,000 by default, and counts the others
+        /// ([`Document::suppressed`](crate::Document::suppressed)). A file may have a fault in every
+        /// other byte.
+        max_diagnostics(most: usize) => most = Some(most);
+
+        /// Sets the number of threads that read a large scene; 0 means one per core, the default. The
+        /// result does not depend on it.
+        threads(threads: usize) => threads = (threads > 0).then_some(threads);
     }
 
     /// Opens no tables and no parts, and reports nothing about their contents.
@@ -104,58 +114,10 @@ impl ReadOptions {
         self
     }
 
-    /// Checks a scene without a camera as a part of another one: it needs none, and nothing is said
-    /// about what a picture of the part alone would show.
-    #[must_use]
-    pub fn as_part(mut self, is_part: bool) -> Self {
-        self.is_part = is_part;
-        self
-    }
-
-    /// Keeps the text of a large scene without faults, which is the default. With `false` the file
-    /// is read block by block, which saves memory if only the scene is needed, and
-    /// [`Document::text`](crate::Document::text) is empty.
-    #[must_use]
-    pub fn keep_text(mut self, keep: bool) -> Self {
-        self.without_text = !keep;
-        self
-    }
-
-    /// Reads the scene, its tables and its parts from these files instead of the disk.
-    #[must_use]
-    pub fn files(mut self, files: impl Files + 'static) -> Self {
-        self.files = Some(Arc::new(files));
-        self
-    }
-
-    /// Stops reading with an error once `cancel` is cancelled.
-    #[must_use]
-    pub fn cancel(mut self, cancel: Cancel) -> Self {
-        self.cancel = Some(cancel);
-        self
-    }
-
-    /// Keeps at most this many diagnostics of each code, 1,000 by default, and counts the others
-    /// ([`Document::suppressed`](crate::Document::suppressed)). A file may have a fault in every
-    /// other byte.
-    #[must_use]
-    pub fn max_diagnostics(mut self, most: usize) -> Self {
-        self.most = Some(most);
-        self
-    }
-
     /// Sets a value of the scene, after all values set before.
     #[must_use]
     pub fn set(mut self, setting: Setting) -> Self {
         self.settings.push(setting);
-        self
-    }
-
-    /// Sets the number of threads that read a large scene; 0 means one per core, the default. The
-    /// result does not depend on it.
-    #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = (threads > 0).then_some(threads);
         self
     }
 

@@ -6,7 +6,7 @@ use std::{
     ptr,
 };
 
-use super::{F64x8, Kernel, LANES, Mask, Simd, float32::Float32};
+use super::{F64x8, Kernel, LANES, Mask, Simd, float32::Float32, proof, same_with_both};
 
 /// The proof that the processor has AVX2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,27 +38,16 @@ pub(super) fn prefetch<T>(place: &T) {
     }
 }
 
-impl Avx2 {
-    pub(super) fn detect() -> Option<Self> {
-        let all = is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt");
-        all.then_some(Self(()))
-    }
-
-    #[inline(always)]
-    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-        fn with_them<K: Kernel>(simd: Avx2, kernel: K) -> K::Output {
-            kernel.run(simd)
-        }
-        // SAFETY: `self` proves that the processor has these instructions.
-        unsafe { with_them(self, kernel) }
-    }
-}
+proof!(
+    Avx2,
+    "avx2,fma,bmi1,bmi2,lzcnt,popcnt",
+    "avx2",
+    "fma",
+    "bmi1",
+    "bmi2",
+    "lzcnt",
+    "popcnt"
+);
 
 impl Simd for Avx2 {
     type F64 = Vector;
@@ -91,18 +80,6 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn splat_f32(self, x: f32) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX and FMA.
-        unsafe { Float32::splat(x) }
-    }
-
-    #[inline(always)]
-    fn load_f32(self, x: &[f32; LANES]) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX and FMA.
-        unsafe { Float32::load(x) }
-    }
-
-    #[inline(always)]
     fn mask(self, bits: u8) -> Lanes {
         // SAFETY: as above.
         unsafe {
@@ -115,15 +92,7 @@ impl Simd for Avx2 {
         }
     }
 
-    #[inline(always)]
-    fn prefetch<T>(self, place: &T) {
-        prefetch(place);
-    }
-
-    #[inline(always)]
-    fn call<K: Kernel>(self, kernel: K) -> K::Output {
-        self.run(kernel)
-    }
+    same_with_both!();
 }
 
 /// Methods of two values that apply an instruction to each of their halves.

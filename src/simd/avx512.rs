@@ -2,10 +2,13 @@
 
 use std::{
     arch::x86_64::*,
+    convert::identity,
     ops::{Add, Div, Mul, Neg, Sub},
 };
 
-use super::{F64x8, Kernel, LANES, Simd, float32::Float32};
+use super::{
+    F64x8, Kernel, LANES, Simd, float32::Float32, methods, operators, proof, same_with_both,
+};
 
 /// The proof that the processor has AVX-512 F, DQ, BW and VL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,30 +21,19 @@ pub(super) struct Vector(__m512d);
 const LEAST: f64 = 1e-100;
 const MOST: f64 = 1e100;
 
-impl Avx512 {
-    pub(super) fn detect() -> Option<Self> {
-        let all = is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt");
-        all.then_some(Self(()))
-    }
-
-    #[inline(always)]
-    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,fma,bmi1,bmi2,lzcnt,popcnt")]
-        fn with_them<K: Kernel>(simd: Avx512, kernel: K) -> K::Output {
-            kernel.run(simd)
-        }
-        // SAFETY: `self` proves that the processor has these instructions.
-        unsafe { with_them(self, kernel) }
-    }
-}
+proof!(
+    Avx512,
+    "avx512f,avx512dq,avx512bw,avx512vl,fma,bmi1,bmi2,lzcnt,popcnt",
+    "avx512f",
+    "avx512dq",
+    "avx512bw",
+    "avx512vl",
+    "fma",
+    "bmi1",
+    "bmi2",
+    "lzcnt",
+    "popcnt"
+);
 
 impl Simd for Avx512 {
     type F64 = Vector;
@@ -67,18 +59,6 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn splat_f32(self, x: f32) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX and FMA.
-        unsafe { Float32::splat(x) }
-    }
-
-    #[inline(always)]
-    fn load_f32(self, x: &[f32; LANES]) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX and FMA.
-        unsafe { Float32::load(x) }
-    }
-
-    #[inline(always)]
     fn mask(self, bits: u8) -> __mmask8 {
         bits
     }
@@ -94,36 +74,16 @@ impl Simd for Avx512 {
         }
     }
 
-    #[inline(always)]
-    fn prefetch<T>(self, place: &T) {
-        super::avx2::prefetch(place);
-    }
-
-    #[inline(always)]
-    fn call<K: Kernel>(self, kernel: K) -> K::Output {
-        self.run(kernel)
-    }
+    same_with_both!();
 }
 
-/// A binary operator by its instruction.
-macro_rules! operator {
-    ($trait:ident, $name:ident, $instruction:ident) => {
-        impl $trait for Vector {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: there is no vector without the proof of the instructions.
-                Self(unsafe { $instruction(self.0, other.0) })
-            }
-        }
-    };
+operators! {
+    Vector,
+    Add add _mm512_add_pd,
+    Sub sub _mm512_sub_pd,
+    Mul mul _mm512_mul_pd,
+    Div div _mm512_div_pd,
 }
-
-operator!(Add, add, _mm512_add_pd);
-operator!(Sub, sub, _mm512_sub_pd);
-operator!(Mul, mul, _mm512_mul_pd);
-operator!(Div, div, _mm512_div_pd);
 
 impl Neg for Vector {
     type Output = Self;
@@ -146,34 +106,12 @@ impl F64x8 for Vector {
         Self(unsafe { _mm512_sqrt_pd(self.0) })
     }
 
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_min_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_max_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> __mmask8 {
-        // SAFETY: see above.
-        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> __mmask8 {
-        // SAFETY: see above.
-        unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) }
-    }
-
-    #[inline(always)]
-    fn eq(self, other: Self) -> __mmask8 {
-        // SAFETY: see above.
-        unsafe { _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, other.0) }
+    methods! {
+        min -> Self by Self, _mm512_min_pd;
+        max -> Self by Self, _mm512_max_pd;
+        lt -> __mmask8 by identity, _mm512_cmp_pd_mask::<_CMP_LT_OQ>;
+        le -> __mmask8 by identity, _mm512_cmp_pd_mask::<_CMP_LE_OQ>;
+        eq -> __mmask8 by identity, _mm512_cmp_pd_mask::<_CMP_EQ_OQ>;
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{F32x8, LANES};
+use super::{F32x8, LANES, methods, operators};
 
 /// A vector that exists only if the processor has AVX and FMA: [`super::avx2`] and [`super::avx512`] create
 /// it.
@@ -36,37 +36,18 @@ impl Float32 {
     }
 }
 
-/// A binary operator by its instruction.
-macro_rules! operator {
-    ($trait:ident, $name:ident, $instruction:ident) => {
-        impl $trait for Float32 {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: there is no vector without the instructions.
-                Self(unsafe { $instruction(self.0, other.0) })
-            }
-        }
-    };
+operators! {
+    Float32,
+    Add add _mm256_add_ps,
+    Sub sub _mm256_sub_ps,
+    Mul mul _mm256_mul_ps,
+    Div div _mm256_div_ps,
 }
 
-operator!(Add, add, _mm256_add_ps);
-operator!(Sub, sub, _mm256_sub_ps);
-operator!(Mul, mul, _mm256_mul_ps);
-operator!(Div, div, _mm256_div_ps);
-
 impl F32x8 for Float32 {
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: there is no vector without the instructions.
-        Self(unsafe { _mm256_min_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: there is no vector without the instructions.
-        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    methods! {
+        min -> Self by Self, _mm256_min_ps;
+        max -> Self by Self, _mm256_max_ps;
     }
 
     #[inline(always)]

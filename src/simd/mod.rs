@@ -79,6 +79,89 @@ pub(crate) trait Simd: Copy {
     fn call<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
+/// The proof of an instruction set: its detection, and kernels compiled for it.
+#[cfg(target_arch = "x86_64")]
+macro_rules! proof {
+    ($type:ident, $all:literal, $($feature:tt),*) => {
+        impl $type {
+            pub(super) fn detect() -> Option<Self> {
+                let all = [$(is_x86_feature_detected!($feature)),*];
+                (!all.contains(&false)).then_some(Self(()))
+            }
+
+            #[inline(always)]
+            pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+                #[target_feature(enable = $all)]
+                fn with_them<K: Kernel>(simd: $type, kernel: K) -> K::Output {
+                    kernel.run(simd)
+                }
+                // SAFETY: `self` proves that the processor has these instructions.
+                unsafe { with_them(self, kernel) }
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+use proof;
+
+/// The methods of [`Simd`] that are the same with AVX2 and AVX-512.
+#[cfg(target_arch = "x86_64")]
+macro_rules! same_with_both {
+    () => {
+        #[inline(always)]
+        fn splat_f32(self, x: f32) -> Float32 {
+            // SAFETY: `self` proves that the processor has AVX and FMA.
+            unsafe { Float32::splat(x) }
+        }
+
+        #[inline(always)]
+        fn load_f32(self, x: &[f32; LANES]) -> Float32 {
+            // SAFETY: `self` proves that the processor has AVX and FMA.
+            unsafe { Float32::load(x) }
+        }
+
+        #[inline(always)]
+        fn prefetch<T>(self, place: &T) {
+            super::avx2::prefetch(place);
+        }
+
+        #[inline(always)]
+        fn call<K: Kernel>(self, kernel: K) -> K::Output {
+            self.run(kernel)
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+use same_with_both;
+
+/// Methods of two vectors in one register each, by their instructions.
+#[cfg(target_arch = "x86_64")]
+macro_rules! methods {
+    ($($name:ident -> $result:ident by $as_result:expr, $instruction:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, other: Self) -> $result {
+            // SAFETY: there is no vector without the proof of the instructions.
+            $as_result(unsafe { $instruction(self.0, other.0) })
+        }
+    )*};
+}
+#[cfg(target_arch = "x86_64")]
+use methods;
+
+/// Operators of two vectors in one register each, by their instructions.
+#[cfg(target_arch = "x86_64")]
+macro_rules! operators {
+    ($type:ident, $($trait:ident $name:ident $instruction:ident,)*) => {$(
+        impl $trait for $type {
+            type Output = Self;
+
+            super::methods! { $name -> Self by Self, $instruction; }
+        }
+    )*};
+}
+#[cfg(target_arch = "x86_64")]
+use operators;
+
 /// Eight f64.
 pub(crate) trait F64x8:
     Copy

@@ -290,7 +290,7 @@ impl<'a> FirstHits<'a> {
                 }
             });
             if let Some(progress) = work.progress {
-                progress(piece.pixels() as u64);
+                progress.add(piece.pixels() as u64);
             }
             Ok(piece)
         };

@@ -6,7 +6,10 @@ mod ticks;
 
 use self::ticks::{Tick, ticks};
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        setters::setters,
+    },
     film::size::Size,
     tracer::{
         color::Color,
@@ -86,25 +89,15 @@ impl Legend {
         self
     }
 
-    /// Adds the color of values that are missing.
-    #[must_use]
-    pub fn missing(mut self, color: Color) -> Self {
-        self.missing = Some(color);
-        self
-    }
+    setters! {
+        /// Adds the color of values that are missing.
+        missing(color: Color) => missing = Some(color);
 
-    /// Draws the bar from left to right instead of from bottom to top.
-    #[must_use]
-    pub fn horizontal(mut self, is_horizontal: bool) -> Self {
-        self.is_horizontal = is_horizontal;
-        self
-    }
+        /// Draws the bar from left to right instead of from bottom to top.
+        horizontal(is_horizontal: bool) => is_horizontal = is_horizontal;
 
-    /// Sets the size in pixels; by default, the bar has 320 pixels, and all else has room.
-    #[must_use]
-    pub fn size(mut self, size: impl Into<Option<Size>>) -> Self {
-        self.size = size.into();
-        self
+        /// Sets the size in pixels; by default, the bar has 320 pixels, and all else has room.
+        size(size: impl Into<Option<Size>>) => size = size.into();
     }
 
     fn layout(&self) -> Result<Layout, Error> {

@@ -202,7 +202,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             let piece = work.watch.time(|| part.piece(rows));
             work.cancel.check()?;
             if let Some(progress) = work.progress {
-                progress(piece.pixels() as u64);
+                progress.add(piece.pixels() as u64);
             }
             Ok(piece)
         };
