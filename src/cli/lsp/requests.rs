@@ -26,43 +26,25 @@ use super::{
 /// The result of an answer.
 pub(super) type Result<T> = std::result::Result<T, ResponseError>;
 
+/// The requests about one document, each with its pace and the function that finds the answer.
+macro_rules! answers {
+    ($server:ident, $request:ident, {$($method:ident: $pace:ident, $find:path;)*}) => {
+        match &*$request.method {
+            $($method::METHOD => answer::<$method>($server, $request, $pace, $find),)*
+            method => {
+                let message = format!("unknown method `{method}`");
+                Err(refused(ErrorCode::MethodNotFound, message))
+            }
+        }
+    };
+}
+
 /// Answers a request, or has it answered.
 pub(super) fn dispatch(server: &mut Server, request: Request) {
     use Pace::{Quick, Slow};
 
     let id = request.id.clone();
     let done = match &*request.method {
-        Completion::METHOD => answer::<Completion>(server, request, Quick, assist::complete),
-        HoverRequest::METHOD => answer::<HoverRequest>(server, request, Quick, assist::hover),
-        OnTypeFormatting::METHOD => {
-            answer::<OnTypeFormatting>(server, request, Quick, format::on_type)
-        }
-        GotoDefinition::METHOD => {
-            answer::<GotoDefinition>(server, request, Slow, names::definition)
-        }
-        References::METHOD => answer::<References>(server, request, Slow, names::references),
-        DocumentHighlightRequest::METHOD => {
-            answer::<DocumentHighlightRequest>(server, request, Slow, names::highlights)
-        }
-        PrepareRenameRequest::METHOD => {
-            answer::<PrepareRenameRequest>(server, request, Slow, names::prepare)
-        }
-        Rename::METHOD => answer::<Rename>(server, request, Slow, names::rename),
-        DocumentSymbolRequest::METHOD => {
-            answer::<DocumentSymbolRequest>(server, request, Slow, structure::symbols)
-        }
-        FoldingRangeRequest::METHOD => {
-            answer::<FoldingRangeRequest>(server, request, Slow, structure::folds)
-        }
-        DocumentLinkRequest::METHOD => {
-            answer::<DocumentLinkRequest>(server, request, Slow, structure::links)
-        }
-        DocumentColor::METHOD => answer::<DocumentColor>(server, request, Slow, colors::all),
-        ColorPresentationRequest::METHOD => {
-            answer::<ColorPresentationRequest>(server, request, Quick, colors::presentations)
-        }
-        Formatting::METHOD => answer::<Formatting>(server, request, Slow, format::whole),
-        RangeFormatting::METHOD => answer::<RangeFormatting>(server, request, Slow, format::range),
         CodeActionRequest::METHOD => {
             wait::<CodeActionRequest>(server, request, |params| Wish::Actions(params.into()))
         }
@@ -77,10 +59,23 @@ pub(super) fn dispatch(server: &mut Server, request: Request) {
                 super::workspace::answer(server, request.id, params);
             })
         }
-        method => {
-            let message = format!("unknown method `{method}`");
-            Err(refused(ErrorCode::MethodNotFound, message))
-        }
+        _ => answers!(server, request, {
+            Completion: Quick, assist::complete;
+            HoverRequest: Quick, assist::hover;
+            OnTypeFormatting: Quick, format::on_type;
+            GotoDefinition: Slow, names::definition;
+            References: Slow, names::references;
+            DocumentHighlightRequest: Slow, names::highlights;
+            PrepareRenameRequest: Slow, names::prepare;
+            Rename: Slow, names::rename;
+            DocumentSymbolRequest: Slow, structure::symbols;
+            FoldingRangeRequest: Slow, structure::folds;
+            DocumentLinkRequest: Slow, structure::links;
+            DocumentColor: Slow, colors::all;
+            ColorPresentationRequest: Quick, colors::presentations;
+            Formatting: Slow, format::whole;
+            RangeFormatting: Slow, format::range;
+        }),
     };
     if let Err(error) = done {
         server.outbox.respond(id, Err(error));

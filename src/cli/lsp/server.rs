@@ -180,7 +180,7 @@ impl Server {
         let process = params["processId"].as_u64();
         let process = process.and_then(|id| u32::try_from(id).ok());
         parent::watch(process, self.events.clone());
-        serde_json::to_value(capabilities::of(&self.client)).unwrap_or_default()
+        capabilities::of(&self.client)
     }
 
     fn on_notification(&mut self, notification: Notification) {
