@@ -7,7 +7,8 @@ use std::{
 };
 
 use super::{
-    F64x8, Kernel, LANES, Simd, float32::Float32, methods, operators, proof, same_with_both,
+    F64x8, Kernel, LANES, Simd, avx2::prefetch, float32::Float32, methods, operators, proof,
+    same_with_both,
 };
 
 /// The proof that the processor has AVX-512 F, DQ, BW and VL.

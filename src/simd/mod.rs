@@ -4,8 +4,8 @@
 //! IEEE 754 one, rounded separately and never fused, so that all instruction sets give the same
 //! bits, except where [`F32x8`] says so. Where an instruction set computes it in another way, a proof says why these are the same.
 //!
-//! Only three files, all in this module, use `unsafe`, always on the condition that the processor
-//! has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] proves this: only
+//! Only three files, all in this module, use `unsafe`, some of it by the macros here, always on the
+//! condition that the processor has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] proves this: only
 //! detection creates one, and only such a value creates vectors.
 
 #[cfg(target_arch = "x86_64")]
@@ -122,7 +122,7 @@ macro_rules! same_with_both {
 
         #[inline(always)]
         fn prefetch<T>(self, place: &T) {
-            super::avx2::prefetch(place);
+            prefetch(place);
         }
 
         #[inline(always)]
@@ -155,7 +155,7 @@ macro_rules! operators {
         impl $trait for $type {
             type Output = Self;
 
-            super::methods! { $name -> Self by Self, $instruction; }
+            methods! { $name -> Self by Self, $instruction; }
         }
     )*};
 }
