@@ -37,14 +37,46 @@ variants! {
     }
 }
 
+/// Declares a kind of light: an object with the fields that lights share, behind its own.
+macro_rules! light {
+    (
+        $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }
+        $(#[$($docs:tt)*])* intensity = $intensity:literal
+        $(falloff = $falloff:ident)?
+        $(shadows = $shadows:literal)?
+        $(one of $one:ident, $other:ident)?
+    ) => {
+        $crate::scene::format::object::object! {
+            $(#[$($meta)*])* pub struct $model = $name {
+                $($fields)*
+                /// The color; white is the default.
+                color: Color = $crate::scene::format::color::ColorModel::WHITE,
+                $(#[$($docs)*])*
+                intensity | power | energy | strength: Intensity = $intensity,
+                $(
+                    /// The weakening by distance; `InverseSquare` is the default.
+                    falloff | decay: Choice(super::FalloffModel) = super::FalloffModel::$falloff,
+                )?
+                $(
+                    /// True if geometries cast shadows in this light; the default.
+                    shadows: Flag = $shadows,
+                )?
+                /// The name of the light: no other light of the scene has it.
+                name: Name?,
+            } $(one of $one, $other)?
+        }
+    };
+}
+
+use light;
+
 /// What each kind of light answers in its own file.
 trait LightKind {
     /// The light.
     fn build(&self) -> Result<Light, GeometryError>;
 
-    /// Returns the vector to the point that it is directed at, if a point alone directs it and all
-    /// numbers are finite.
-    fn to_target(&self) -> Option<DVec3> {
+    /// Returns its position and the point that it is directed at, if a point alone directs it.
+    fn aim(&self) -> Option<[DVec3; 2]> {
         None
     }
 }
@@ -76,7 +108,8 @@ impl LightModel {
     /// Returns the vector to the point that it is directed at, if a point alone directs it and all
     /// numbers are finite.
     pub(crate) fn to_target(&self) -> Option<DVec3> {
-        of_each!(self, light => light.to_target())
+        let [from, to] = of_each!(self, light => light.aim())?;
+        (from.is_finite() && to.is_finite()).then(|| to - from)
     }
 }
 

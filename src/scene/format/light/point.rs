@@ -1,33 +1,23 @@
 //! A light from a point, in a scene file.
 
 use crate::{
-    scene::format::{
-        color::ColorModel,
-        light::{FalloffModel, LightKind},
-        object::object,
-    },
+    scene::format::light::{LightKind, light},
     tracer::{
         error::GeometryError,
         light::{Light, Point},
     },
 };
 
-object! {
+light! {
     /// Light from a point in all directions.
     pub struct PointLightModel = "Point" {
         /// The position.
         position | location: Point,
-        /// The color; white is the default.
-        color: Color = ColorModel::WHITE,
-        /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
-        intensity | power | energy | strength: Intensity = 1.0,
-        /// The weakening by distance; `InverseSquare` is the default.
-        falloff | decay: Choice(FalloffModel) = FalloffModel::InverseSquare,
-        /// True if geometries cast shadows in this light; the default.
-        shadows: Flag = true,
-        /// The name of the light: no other light of the scene has it.
-        name: Name?,
     }
+    /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
+    intensity = 1.0
+    falloff = InverseSquare
+    shadows = true
 }
 
 impl LightKind for PointLightModel {

@@ -3,18 +3,14 @@
 use glam::DVec3;
 
 use crate::{
-    scene::format::{
-        color::ColorModel,
-        light::{FalloffModel, LightKind},
-        object::object,
-    },
+    scene::format::light::{LightKind, light},
     tracer::{
         error::GeometryError,
         light::{Cone, Light, Spot},
     },
 };
 
-object! {
+light! {
     /// A cone of light from a point.
     pub struct SpotLightModel = "Spot" {
         /// The position.
@@ -28,44 +24,38 @@ object! {
         /// The part of the half angle over which the light fades at the edge, from 0 to 1; 0.15 is the
         /// default.
         blend | penumbra: Fraction = 0.15,
-        /// The color; white is the default.
-        color: Color = ColorModel::WHITE,
-        /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
-        intensity | power | energy | strength: Intensity = 1.0,
-        /// The weakening by distance; `InverseSquare` is the default.
-        falloff | decay: Choice(FalloffModel) = FalloffModel::InverseSquare,
-        /// True if geometries cast shadows in this light; the default.
-        shadows: Flag = true,
-        /// The name of the light: no other light of the scene has it.
-        name: Name?,
-    } one of direction, look_at
+    }
+    /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
+    intensity = 1.0
+    falloff = InverseSquare
+    shadows = true
+    one of direction, look_at
 }
 
 impl LightKind for SpotLightModel {
     fn build(&self) -> Result<Light, GeometryError> {
+        let to_target = || self.aim().map(|[from, to]| to - from);
+        let direction = self.direction.map(DVec3::from).or_else(to_target);
         let cone = Cone {
-            direction: self.axis(),
+            direction: direction.unwrap_or_default(),
             angle: self.angle,
             blend: self.blend(),
         };
-        let (color, intensity) = (self.color().build(), self.intensity());
-        let (falloff, shadows) = (self.falloff().into(), self.shadows());
-        let position = self.position.into();
-        Spot::new(position, cone, color, intensity, falloff, shadows).map(Light::from)
+        let (color, falloff) = (self.color().build(), self.falloff().into());
+        let (intensity, shadows) = (self.intensity(), self.shadows());
+        Spot::new(
+            self.position.into(),
+            cone,
+            color,
+            intensity,
+            falloff,
+            shadows,
+        )
+        .map(Light::from)
     }
 
-    fn to_target(&self) -> Option<DVec3> {
-        let points = [self.look_at?, self.position];
-        let are_finite = points.as_flattened().iter().all(|x| x.is_finite());
-        (self.direction.is_none() && are_finite).then(|| self.axis())
-    }
-}
-
-impl SpotLightModel {
-    /// The direction of the middle of the cone; 0 where neither `direction` nor `look_at` is given.
-    pub(crate) fn axis(&self) -> DVec3 {
-        let seen = |point| DVec3::from(point) - DVec3::from(self.position);
-        let direction = self.direction.map(DVec3::from);
-        direction.or(self.look_at.map(seen)).unwrap_or_default()
+    fn aim(&self) -> Option<[DVec3; 2]> {
+        let target = self.look_at.filter(|_| self.direction.is_none())?;
+        Some([self.position.into(), target.into()])
     }
 }
