@@ -218,17 +218,24 @@ impl Serialize for Terms<'_> {
             map.serialize_entry("form", form)?;
         }
         let lines = working.lines.iter().flatten();
-        for Term { name, numbers, .. } in working.parts.iter().chain(lines) {
-            match &numbers[..] {
-                [number] => map.serialize_entry(name, number)?,
-                numbers => map.serialize_entry(name, numbers)?,
-            }
-        }
+        serialize_terms(working.parts.iter().chain(lines), &mut map)?;
         if let Some(name) = working.name {
             map.serialize_entry(name, &working.solutions.as_ref().ok())?;
         }
         map.end()
     }
+}
+
+/// Adds terms to data, by name: each is a number or a vector.
+fn serialize_terms<'a, M: SerializeMap>(
+    terms: impl IntoIterator<Item = &'a Term>,
+    map: &mut M,
+) -> Result<(), M::Error> {
+    let mut terms = terms.into_iter();
+    terms.try_for_each(|Term { name, numbers, .. }| match &numbers[..] {
+        [number] => map.serialize_entry(name, number),
+        numbers => map.serialize_entry(name, numbers),
+    })
 }
 
 #[derive(Serialize)]
@@ -271,9 +278,9 @@ impl<'a> Explanation<'a> {
         let world = scene.world();
         let hit = world.hit(&ray);
         let light = scene.explain(size, x, y)?;
-        let light = light.map(|pixel| LightTerms::new(scene, pixel));
+        let light = light.map(|pixel| LightTerms { scene, pixel });
         let flat = hit.map_or(world.background(), |(_, hit)| hit.color());
-        let color = light.as_ref().map_or(flat, |light| light.color);
+        let color = light.as_ref().map_or(flat, |light| light.pixel.color);
         let geometries = world.geometries().iter().enumerate();
         Ok(Self {
             size,

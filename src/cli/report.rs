@@ -33,7 +33,11 @@ impl<'a> GeometryPlace<'a> {
     pub(super) fn new(scene: &'a Scene, id: usize) -> Self {
         Self {
             id,
-            listed: Listed::new(scene.origin(id), scene.name(id), scene.groups(id)),
+            listed: Listed {
+                origin: scene.origin(id),
+                name: scene.name(id),
+                groups: scene.groups(id),
+            },
             parts: InParts::new(scene, id),
         }
     }
@@ -42,16 +46,8 @@ impl<'a> GeometryPlace<'a> {
 /// The place of a geometry in the lists of a file.
 #[derive(Clone, Serialize)]
 struct Listed<'a> {
-    /// The index in the list of geometries.
-    geometry: usize,
-    /// The index in the list of each group.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    in_groups: Vec<usize>,
-    /// The row, if a table is at that index.
-    row: Option<usize>,
-    /// The index of the copy, if there are instances at that index.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    instance: Option<usize>,
+    #[serde(flatten)]
+    origin: Origin,
     /// The name.
     name: Option<&'a str>,
     /// The names of the groups that hold it.
@@ -59,34 +55,9 @@ struct Listed<'a> {
     groups: Vec<&'a str>,
 }
 
-impl<'a> Listed<'a> {
-    fn new(origin: Origin, name: Option<&'a str>, groups: Vec<&'a str>) -> Self {
-        let Origin {
-            geometry,
-            in_groups,
-            row,
-            instance,
-        } = origin;
-        Self {
-            geometry,
-            in_groups,
-            row,
-            instance,
-            name,
-            groups,
-        }
-    }
-}
-
 impl fmt::Display for Listed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let origin = Origin {
-            geometry: self.geometry,
-            in_groups: self.in_groups.clone(),
-            row: self.row,
-            instance: self.instance,
-        };
-        write!(f, "{origin}")?;
+        self.origin.fmt(f)?;
         write_names(f, self.name, &self.groups)
     }
 }
@@ -120,7 +91,11 @@ impl<'a> InParts<'a> {
         let places = scene.places_in_parts(id).into_iter();
         let places = places.map(|place| InPart {
             file: place.file,
-            listed: Listed::new(place.origin, place.name, place.groups),
+            listed: Listed {
+                origin: place.origin,
+                name: place.name,
+                groups: place.groups,
+            },
         });
         Self(places.collect())
     }

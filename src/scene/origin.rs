@@ -2,6 +2,8 @@
 
 use std::{fmt, ops::Range, str::FromStr};
 
+use serde::Serialize;
+
 use crate::{
     diagnostic::{
         Code, Diagnostic,
@@ -14,16 +16,18 @@ use crate::{
 /// The origin of a world's geometry in its scene. It is displayed as a path, such as
 /// `geometries[3]`, `geometries[3].geometries[0]` in a group, or `geometries[3] row 17`. A geometry
 /// of a part has the origin of the part.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Origin {
     /// The index in the scene's list of geometries, from 0.
     pub geometry: usize,
     /// For a geometry in groups, its index in the list of each group, from the outermost; the group
     /// at `geometry` is the first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub in_groups: Vec<usize>,
     /// The row of the table that this geometry names, from 0.
     pub row: Option<usize>,
     /// The instance among those that this geometry is, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub instance: Option<usize>,
 }
 

@@ -4,395 +4,303 @@ use std::fmt::{self, Write as _};
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
-    Color, Radiance, Ray, Scene,
+    Radiance, Scene,
     render::{
-        ExplainedPixel, ExplainedSample, LightParts, RayEnd, Shading, ShiningLight, Term, Tone,
+        ExplainedPixel, ExplainedSample, LightParts, RayEnd, Shading, ShiningLight, Term,
         ToneMapping, TracedRay,
     },
 };
 
-use super::{OriginTerms, shown, vector};
+use super::{OriginTerms, serialize_terms, shown, vector};
 
 /// The light of a pixel.
-#[derive(Serialize)]
 pub(super) struct LightTerms<'a> {
-    samples: Vec<SampleTerms<'a>>,
-    /// The mean of the samples.
-    #[serde(flatten)]
-    parts: LightPartTerms,
-    light: [f64; 3],
-    /// `None` in a flat picture.
-    #[serde(flatten)]
-    tone: Option<ToneTerms>,
-    #[serde(skip)]
-    pub(super) color: Color,
+    pub(super) scene: &'a Scene,
+    pub(super) pixel: ExplainedPixel,
 }
 
-/// The exposure and the tone mapping of a pixel.
-#[derive(Serialize)]
-struct ToneTerms {
-    exposure: f64,
-    exposed: [f64; 3],
-    tone_mapping: &'static str,
-    mapped: [f64; 3],
+/// A part of an explanation.
+trait Part {
+    /// Adds its entries in data.
+    fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error>;
+
+    /// Writes it for people, after two spaces for each of `indent`.
+    fn text(&self, scene: &Scene, out: &mut String, indent: usize) -> fmt::Result;
 }
 
-#[derive(Serialize)]
-struct SampleTerms<'a> {
-    origin: [f64; 3],
-    direction: [f64; 3],
-    hit: Option<OriginTerms<'a>>,
-    inked_by: Option<NeighborTerms<'a>>,
-    #[serde(flatten)]
-    parts: LightPartTerms,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    steps: Option<RaySteps<'a>>,
-}
+/// A part in data, with the scene that names its geometries.
+struct Of<'a, T>(&'a Scene, &'a T);
 
-/// The sample that inks another.
-#[derive(Serialize)]
-struct NeighborTerms<'a> {
-    right: i64,
-    up: i64,
-    hit: Option<OriginTerms<'a>>,
-}
-
-#[derive(Serialize)]
-struct RaySteps<'a> {
-    depth: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    leaves: Option<OriginTerms<'a>>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    factor: [f64; 3],
-    end: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    surface: Option<SurfaceSteps<'a>>,
-    #[serde(flatten)]
-    parts: LightPartTerms,
-}
-
-#[derive(Serialize)]
-struct SurfaceSteps<'a> {
-    hit: OriginTerms<'a>,
-    t: f64,
-    point: [f64; 3],
-    n: [f64; 3],
-    v: [f64; 3],
-    material: &'static str,
-    equation: &'static str,
-    lights: Vec<LightSteps<'a>>,
-    terms: Terms,
-    onward: Vec<RaySteps<'a>>,
-}
-
-#[derive(Serialize)]
-struct LightSteps<'a> {
-    index: usize,
-    kind: &'static str,
-    terms: Terms,
-    crossings: Vec<Crossing<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    dark: Option<&'static str>,
-}
-
-#[derive(Serialize)]
-struct Crossing<'a> {
-    geometry: OriginTerms<'a>,
-    t: f64,
-    factor: [f64; 3],
-}
-
-/// The parts of light, in data by name.
-struct LightPartTerms(LightParts);
-
-impl LightPartTerms {
-    fn named(&self) -> impl Iterator<Item = (&'static str, [f64; 3])> {
-        LightParts::NAMES.into_iter().zip(self.0.all().map(rgb))
-    }
-}
-
-impl Serialize for LightPartTerms {
+impl<T: Part> Serialize for Of<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.named())
-    }
-}
-
-impl fmt::Display for LightPartTerms {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let parts = self
-            .named()
-            .map(|(name, light)| format!("{name} {}", vector(light)));
-        out.write_str(&parts.collect::<Vec<_>>().join(" + "))
-    }
-}
-
-/// Terms, in data by name.
-struct Terms(Vec<Term>);
-
-impl Serialize for Terms {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for Term { name, numbers, .. } in &self.0 {
-            match &numbers[..] {
-                [number] => map.serialize_entry(name, number)?,
-                numbers => map.serialize_entry(name, numbers)?,
-            }
-        }
+        let mut map = serializer.serialize_map(None)?;
+        self.1.data(self.0, &mut map)?;
         map.end()
     }
+}
+
+fn all<'a, T: Part>(scene: &'a Scene, parts: &'a [T]) -> Vec<Of<'a, T>> {
+    parts.iter().map(|part| Of(scene, part)).collect()
+}
+
+impl Serialize for LightTerms<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Of(self.scene, &self.pixel).serialize(serializer)
+    }
+}
+
+impl fmt::Display for LightTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = String::new();
+        self.pixel.text(self.scene, &mut text, 0)?;
+        out.write_str(&text)
+    }
+}
+
+/// Terms in data, by name.
+struct Terms<'a>(&'a [Term]);
+
+impl Serialize for Terms<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        serialize_terms(self.0, &mut map)?;
+        map.end()
+    }
+}
+
+fn write_terms(terms: &[Term], out: &mut String, indent: usize) -> fmt::Result {
+    let pad = "  ".repeat(indent);
+    terms
+        .iter()
+        .try_for_each(|term| writeln!(out, "{pad}{} = {}", term.symbol, shown(&term.numbers)))
 }
 
 fn rgb(light: Radiance) -> [f64; 3] {
     [light.r(), light.g(), light.b()]
 }
 
-impl<'a> LightTerms<'a> {
-    pub(super) fn new(scene: &'a Scene, pixel: ExplainedPixel) -> Self {
-        let light = pixel.parts.sum();
-        let samples = pixel.samples.into_iter();
-        Self {
-            samples: samples
-                .map(|sample| SampleTerms::new(scene, sample))
-                .collect(),
-            parts: LightPartTerms(pixel.parts),
-            light: rgb(light),
-            tone: pixel.tone.map(|tone| ToneTerms::new(tone, light)),
-            color: pixel.color,
-        }
-    }
+/// Returns the parts of light, by name.
+fn named(parts: &LightParts) -> impl Iterator<Item = (&'static str, [f64; 3])> {
+    LightParts::NAMES.into_iter().zip(parts.all().map(rgb))
 }
 
-impl ToneTerms {
-    fn new(tone: Tone, light: Radiance) -> Self {
-        let exposed = tone.expose(light);
-        Self {
-            exposure: tone.exposure(),
-            exposed: rgb(exposed),
-            tone_mapping: match tone.mapping() {
-                ToneMapping::Clip => "Clip",
-                ToneMapping::Neutral => "Neutral",
-            },
-            mapped: rgb(tone.map(exposed)),
-        }
-    }
+fn sum(parts: &LightParts) -> String {
+    let parts = named(parts).map(|(name, light)| format!("{name} {}", vector(light)));
+    parts.collect::<Vec<_>>().join(" + ")
 }
 
-impl<'a> SampleTerms<'a> {
-    /// Returns true if its light is more than the color of a geometry.
-    fn has_steps(&self) -> bool {
-        self.steps.is_some() || self.inked_by.is_some()
-    }
-
-    fn new(scene: &'a Scene, sample: ExplainedSample) -> Self {
-        let origin = |id| OriginTerms::new(scene, id);
-        let inked_by = sample.outlined_by.map(|([right, up], hit)| NeighborTerms {
-            right,
-            up,
-            hit: hit.map(origin),
-        });
-        Self {
-            origin: sample.ray.origin().into(),
-            direction: sample.ray.direction().into(),
-            hit: sample.hit.map(origin),
-            inked_by,
-            parts: LightPartTerms(sample.parts),
-            steps: sample.steps.map(|ray| RaySteps::new(scene, ray)),
-        }
-    }
+fn serialize_parts<M: SerializeMap>(parts: &LightParts, map: &mut M) -> Result<(), M::Error> {
+    named(parts).try_for_each(|(name, light)| map.serialize_entry(name, &light))
 }
 
-impl<'a> RaySteps<'a> {
-    fn new(scene: &'a Scene, traced: TracedRay) -> Self {
-        let ray: Ray = traced.ray;
-        let (end, surface) = match traced.end {
-            RayEnd::Background => ("background", None),
-            RayEnd::Faint => ("faint", None),
-            RayEnd::TooDeep => ("too-deep", None),
-            RayEnd::Surface(surface) => ("surface", Some(SurfaceSteps::new(scene, *surface))),
-        };
-        Self {
-            depth: traced.depth,
-            leaves: traced.own.map(|own| {
-                let id = scene.world().id_of(own.geometry, own.face);
-                OriginTerms::new(scene, id)
-            }),
-            origin: ray.origin().into(),
-            direction: ray.direction().into(),
-            factor: rgb(traced.factor),
-            end,
-            surface,
-            parts: LightPartTerms(traced.parts),
-        }
-    }
+/// Says what a sample sees.
+fn seen(scene: &Scene, hit: Option<usize>, background: &str) -> String {
+    let name = |id| OriginTerms::new(scene, id).to_string();
+    hit.map_or_else(|| background.to_owned(), name)
 }
 
-impl<'a> SurfaceSteps<'a> {
-    fn new(scene: &'a Scene, surface: Shading) -> Self {
-        let lights = surface.lights.into_iter();
-        let onward = surface.onward.into_iter();
-        Self {
-            hit: OriginTerms::new(scene, surface.id),
-            t: surface.t,
-            point: surface.point.into(),
-            n: surface.n.into(),
-            v: surface.v.into(),
-            material: surface.material,
-            equation: surface.equation,
-            lights: lights.map(|light| LightSteps::new(scene, light)).collect(),
-            terms: Terms(surface.terms),
-            onward: onward.map(|ray| RaySteps::new(scene, ray)).collect(),
+impl Part for ExplainedPixel {
+    fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
+        let light = self.parts.sum();
+        map.serialize_entry("samples", &all(scene, &self.samples))?;
+        serialize_parts(&self.parts, map)?;
+        map.serialize_entry("light", &rgb(light))?;
+        if let Some(tone) = self.tone {
+            let exposed = tone.expose(light);
+            map.serialize_entry("exposure", &tone.exposure())?;
+            map.serialize_entry("exposed", &rgb(exposed))?;
+            map.serialize_entry("tone_mapping", name(tone.mapping()))?;
+            map.serialize_entry("mapped", &rgb(tone.map(exposed)))?;
         }
+        Ok(())
     }
-}
 
-impl<'a> LightSteps<'a> {
-    fn new(scene: &'a Scene, light: ShiningLight) -> Self {
-        let crossings = light.crossings.into_iter();
-        Self {
-            index: light.index,
-            kind: light.kind,
-            terms: Terms(light.terms),
-            crossings: crossings
-                .map(|(id, t, factor)| Crossing {
-                    geometry: OriginTerms::new(scene, id),
-                    t,
-                    factor: rgb(factor),
-                })
-                .collect(),
-            dark: light.dark,
-        }
-    }
-}
-
-impl fmt::Display for LightTerms<'_> {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn text(&self, scene: &Scene, out: &mut String, indent: usize) -> fmt::Result {
         let count = self.samples.len();
         if count > 1 {
             writeln!(out, "\nsamples, from the top left")?;
             for (number, sample) in self.samples.iter().enumerate() {
-                let seen = sample.hit.as_ref();
-                let seen = seen.map_or_else(|| "background".to_owned(), ToString::to_string);
-                let ink = if sample.inked_by.is_some() {
-                    ", inked"
-                } else {
-                    ""
-                };
-                writeln!(out, "  {number} sees {seen}{ink}: {}", sample.parts)?;
+                let seen = seen(scene, sample.hit, "background");
+                let ink = sample.outlined_by.map_or("", |_| ", inked");
+                writeln!(out, "  {number} sees {seen}{ink}: {}", sum(&sample.parts))?;
             }
         }
         // The one in the middle; data holds them all.
         let side = count.isqrt();
         let middle = side / 2 * side + side / 2;
-        let sample = self.samples.get(middle);
-        if let Some(sample) = sample.filter(|sample| sample.has_steps()) {
+        if let Some(sample) = self.samples.get(middle)
+            && (sample.steps.is_some() || sample.outlined_by.is_some())
+        {
             writeln!(out, "\nlight of sample {middle}")?;
-            sample.fmt(out)?;
+            sample.text(scene, out, indent + 1)?;
         }
         writeln!(out, "\nlight of the pixel, the mean of {count}")?;
-        for (name, light) in self.parts.named() {
+        for (name, light) in named(&self.parts) {
             writeln!(out, "  {name:<12} {}", vector(light))?;
         }
-        let (light, sum) = (vector(self.light), LightParts::NAMES.join(" + "));
-        writeln!(out, "  L            {light}, {sum}")?;
-        self.tone.as_ref().map_or(Ok(()), |tone| tone.fmt(out))
-    }
-}
-
-impl fmt::Display for ToneTerms {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (exposure, exposed) = (self.exposure, vector(self.exposed));
-        writeln!(out, "  exposed      {exposed}, L · 2^{exposure:?}")?;
-        let mapped = vector(self.mapped);
-        writeln!(out, "  mapped       {mapped}, by {}", self.tone_mapping)
-    }
-}
-
-impl fmt::Display for SampleTerms<'_> {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(steps) = &self.steps {
-            let mut text = String::new();
-            steps.write(&mut text, 1)?;
-            out.write_str(&text)?;
-        }
-        if let Some(by) = &self.inked_by {
-            let seen = by.hit.as_ref();
-            let seen = seen.map_or_else(|| "the background".to_owned(), ToString::to_string);
-            writeln!(
-                out,
-                "  inked by the sample {} to the right and {} up, which sees {seen}",
-                by.right, by.up
-            )?;
-            writeln!(
-                out,
-                "  its light is the outlines' {}",
-                vector(rgb(self.parts.0.sum()))
-            )?;
+        let (light, names) = (self.parts.sum(), LightParts::NAMES.join(" + "));
+        writeln!(out, "  L            {}, {names}", vector(rgb(light)))?;
+        if let Some(tone) = self.tone {
+            let (exposed, exposure) = (tone.expose(light), tone.exposure());
+            let shown = vector(rgb(exposed));
+            writeln!(out, "  exposed      {shown}, L · 2^{exposure:?}")?;
+            let (mapped, by) = (vector(rgb(tone.map(exposed))), name(tone.mapping()));
+            writeln!(out, "  mapped       {mapped}, by {by}")?;
         }
         Ok(())
     }
 }
 
-impl RaySteps<'_> {
-    /// Writes the steps, indented by the depth of the ray.
-    fn write(&self, out: &mut String, indent: usize) -> fmt::Result {
-        let pad = "  ".repeat(indent);
-        let leaves = self.leaves.as_ref();
-        let leaves = leaves.map_or_else(String::new, |own| format!(", leaves {own}"));
-        writeln!(out, "{pad}ray of depth {}{leaves}", self.depth)?;
-        writeln!(out, "{pad}  o = {}", vector(self.origin))?;
-        writeln!(out, "{pad}  d = {}", vector(self.direction))?;
-        writeln!(out, "{pad}  factor = {}", vector(self.factor))?;
-        match &self.surface {
-            Some(surface) => surface.write(out, indent + 1)?,
-            None => writeln!(
+fn name(mapping: ToneMapping) -> &'static str {
+    match mapping {
+        ToneMapping::Clip => "Clip",
+        ToneMapping::Neutral => "Neutral",
+    }
+}
+
+impl Part for ExplainedSample {
+    fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
+        let origin = |hit: Option<usize>| hit.map(|id| OriginTerms::new(scene, id));
+        let inked_by = self.outlined_by.map(|([right, up], hit)| Neighbor {
+            right,
+            up,
+            hit: origin(hit),
+        });
+        map.serialize_entry("origin", &self.ray.origin().to_array())?;
+        map.serialize_entry("direction", &self.ray.direction().to_array())?;
+        map.serialize_entry("hit", &origin(self.hit))?;
+        map.serialize_entry("inked_by", &inked_by)?;
+        serialize_parts(&self.parts, map)?;
+        let steps = self.steps.as_ref();
+        steps.map_or(Ok(()), |ray| map.serialize_entry("steps", &Of(scene, ray)))
+    }
+
+    fn text(&self, scene: &Scene, out: &mut String, indent: usize) -> fmt::Result {
+        if let Some(ray) = &self.steps {
+            ray.text(scene, out, indent)?;
+        }
+        if let Some(([right, up], hit)) = self.outlined_by {
+            let seen = seen(scene, hit, "the background");
+            writeln!(
                 out,
-                "{pad}  {}",
-                match self.end {
-                    "faint" => "not traced: every channel of the factor is below 2^-12; black",
-                    "too-deep" => "not traced: deeper than max_depth; it brings the background",
-                    _ => "hits nothing: it brings the background",
-                }
-            )?,
+                "  inked by the sample {right} to the right and {up} up, which sees {seen}"
+            )?;
+            let color = vector(rgb(self.parts.sum()));
+            writeln!(out, "  its light is the outlines' {color}")?;
         }
-        writeln!(out, "{pad}  brings {}", self.parts)
+        Ok(())
     }
 }
 
-impl SurfaceSteps<'_> {
-    fn write(&self, out: &mut String, indent: usize) -> fmt::Result {
+/// The sample that inks another.
+#[derive(Serialize)]
+struct Neighbor<'a> {
+    right: i64,
+    up: i64,
+    hit: Option<OriginTerms<'a>>,
+}
+
+impl Part for TracedRay {
+    fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("depth", &self.depth)?;
+        if let Some(own) = self.own {
+            let id = scene.world().id_of(own.geometry, own.face);
+            map.serialize_entry("leaves", &OriginTerms::new(scene, id))?;
+        }
+        map.serialize_entry("origin", &self.ray.origin().to_array())?;
+        map.serialize_entry("direction", &self.ray.direction().to_array())?;
+        map.serialize_entry("factor", &rgb(self.factor))?;
+        let end = match self.end {
+            RayEnd::Background => "background",
+            RayEnd::Faint => "faint",
+            RayEnd::TooDeep => "too-deep",
+            RayEnd::Surface(_) => "surface",
+        };
+        map.serialize_entry("end", end)?;
+        if let RayEnd::Surface(surface) = &self.end {
+            map.serialize_entry("surface", &Of(scene, &**surface))?;
+        }
+        serialize_parts(&self.parts, map)
+    }
+
+    fn text(&self, scene: &Scene, out: &mut String, indent: usize) -> fmt::Result {
         let pad = "  ".repeat(indent);
-        writeln!(out, "{pad}hits {} at t = {:?}", self.hit, self.t)?;
-        writeln!(out, "{pad}  point = {}", vector(self.point))?;
-        writeln!(out, "{pad}  n = {}", vector(self.n))?;
-        writeln!(out, "{pad}  v = {}", vector(self.v))?;
-        for light in &self.lights {
-            light.write(out, indent + 1)?;
-        }
-        writeln!(
-            out,
-            "{pad}  material {}, L = {}",
-            self.material, self.equation
-        )?;
-        self.terms.write(out, indent + 2)?;
-        self.onward
-            .iter()
-            .try_for_each(|ray| ray.write(out, indent + 2))
+        let own = self
+            .own
+            .map(|own| scene.world().id_of(own.geometry, own.face));
+        let leaves = own.map_or_else(String::new, |id| {
+            format!(", leaves {}", OriginTerms::new(scene, id))
+        });
+        writeln!(out, "{pad}ray of depth {}{leaves}", self.depth)?;
+        writeln!(out, "{pad}  o = {}", vector(self.ray.origin().into()))?;
+        writeln!(out, "{pad}  d = {}", vector(self.ray.direction().into()))?;
+        writeln!(out, "{pad}  factor = {}", vector(rgb(self.factor)))?;
+        let why = match &self.end {
+            RayEnd::Surface(surface) => {
+                surface.text(scene, out, indent + 1)?;
+                return writeln!(out, "{pad}  brings {}", sum(&self.parts));
+            }
+            RayEnd::Faint => "not traced: every channel of the factor is below 2^-12; black",
+            RayEnd::TooDeep => "not traced: deeper than max_depth; it brings the background",
+            RayEnd::Background => "hits nothing: it brings the background",
+        };
+        writeln!(out, "{pad}  {why}\n{pad}  brings {}", sum(&self.parts))
     }
 }
 
-impl LightSteps<'_> {
-    fn write(&self, out: &mut String, indent: usize) -> fmt::Result {
+impl Part for Shading {
+    fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("hit", &OriginTerms::new(scene, self.id))?;
+        map.serialize_entry("t", &self.t)?;
+        map.serialize_entry("point", &self.point.to_array())?;
+        map.serialize_entry("n", &self.n.to_array())?;
+        map.serialize_entry("v", &self.v.to_array())?;
+        map.serialize_entry("material", self.material)?;
+        map.serialize_entry("equation", self.equation)?;
+        map.serialize_entry("lights", &all(scene, &self.lights))?;
+        map.serialize_entry("terms", &Terms(&self.terms))?;
+        map.serialize_entry("onward", &all(scene, &self.onward))
+    }
+
+    fn text(&self, scene: &Scene, out: &mut String, indent: usize) -> fmt::Result {
+        let pad = "  ".repeat(indent);
+        let hit = OriginTerms::new(scene, self.id);
+        writeln!(out, "{pad}hits {hit} at t = {:?}", self.t)?;
+        writeln!(out, "{pad}  point = {}", vector(self.point.into()))?;
+        writeln!(out, "{pad}  n = {}", vector(self.n.into()))?;
+        writeln!(out, "{pad}  v = {}", vector(self.v.into()))?;
+        for light in &self.lights {
+            light.text(scene, out, indent + 1)?;
+        }
+        let (material, equation) = (self.material, self.equation);
+        writeln!(out, "{pad}  material {material}, L = {equation}")?;
+        write_terms(&self.terms, out, indent + 2)?;
+        let mut onward = self.onward.iter();
+        onward.try_for_each(|ray| ray.text(scene, out, indent + 2))
+    }
+}
+
+impl Part for ShiningLight {
+    fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
+        let crossings = self.crossings.iter().map(|&(id, t, factor)| Crossing {
+            geometry: OriginTerms::new(scene, id),
+            t,
+            factor: rgb(factor),
+        });
+        map.serialize_entry("index", &self.index)?;
+        map.serialize_entry("kind", self.kind)?;
+        map.serialize_entry("terms", &Terms(&self.terms))?;
+        map.serialize_entry("crossings", &crossings.collect::<Vec<_>>())?;
+        self.dark
+            .map_or(Ok(()), |why| map.serialize_entry("dark", why))
+    }
+
+    fn text(&self, scene: &Scene, out: &mut String, indent: usize) -> fmt::Result {
         let pad = "  ".repeat(indent);
         writeln!(out, "{pad}light [{}] {}", self.index, self.kind)?;
-        self.terms.write(out, indent + 1)?;
-        for Crossing {
-            geometry,
-            t,
-            factor,
-        } in &self.crossings
-        {
-            let factor = vector(*factor);
+        write_terms(&self.terms, out, indent + 1)?;
+        for &(id, t, factor) in &self.crossings {
+            let (geometry, factor) = (OriginTerms::new(scene, id), vector(rgb(factor)));
             writeln!(
                 out,
                 "{pad}  in its way: {geometry} at t = {t:?}, factor {factor}"
@@ -403,11 +311,10 @@ impl LightSteps<'_> {
     }
 }
 
-impl Terms {
-    fn write(&self, out: &mut String, indent: usize) -> fmt::Result {
-        let pad = "  ".repeat(indent);
-        self.0
-            .iter()
-            .try_for_each(|term| writeln!(out, "{pad}{} = {}", term.symbol, shown(&term.numbers)))
-    }
+/// A geometry in the way of a light.
+#[derive(Serialize)]
+struct Crossing<'a> {
+    geometry: OriginTerms<'a>,
+    t: f64,
+    factor: [f64; 3],
 }
