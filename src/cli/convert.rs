@@ -6,12 +6,13 @@ use std::{
 };
 
 use strahl::{
-    Document, Syntax, image_file::write_file, jobs::Config, scene::LostComments, text::sanitize,
+    Document, Syntax, diagnostic::folder_of, image_file::write_file, jobs::Config,
+    scene::LostComments, text::sanitize,
 };
 
 use super::{
     Failure, interrupt,
-    paths::{folder_of, is_dash, is_same},
+    paths::{is_dash, is_same},
     scene::{self, SceneArgs, TableArgs},
 };
 

@@ -7,14 +7,16 @@ use std::{
 };
 
 use strahl::{
-    Error, ErrorKind, ImageFormat, Scene, diagnostic::open_file, jobs::Shard, text::sanitize,
+    Error, ErrorKind, ImageFormat, Scene,
+    diagnostic::{folder_of, open_file},
+    jobs::Shard,
+    text::sanitize,
 };
 
 use super::{
     Failure,
     cameras::CameraArgs,
     interrupt,
-    paths::folder_of,
     picture::PictureArgs,
     record::{self, Done, Line, Recorder, Records, Written},
     render::one::{check_file, check_pictures, file, sources},

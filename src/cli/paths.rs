@@ -74,14 +74,6 @@ pub(super) fn is_same(one: &Path, other: &Path) -> bool {
     matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Returns the folder of a file, `.` for a bare name.
-pub(super) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
-}
-
 fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
     let text = if is_dash(list) {
         bounded::read(io::stdin(), LONGEST_LIST)

@@ -17,12 +17,12 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use strahl::{
     Error,
-    diagnostic::open_file,
+    diagnostic::{folder_of, is_at, open_file},
     jobs::Shard,
     text::{Stamp, Stamped},
 };
 
-use super::{paths::folder_of, threads::lock};
+use super::threads::lock;
 
 /// The folder of the records, in that of the pictures.
 pub(super) const FOLDER: &str = ".strahl";
@@ -351,22 +351,6 @@ fn open(records: &Path, plan: &Plan) -> io::Result<Recorder> {
         path,
         is_new: true,
     })
-}
-
-/// Returns true if an open file is still the one at a path.
-fn is_at(file: &File, path: &Path) -> bool {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        let inode = |found: fs::Metadata| (found.dev(), found.ino());
-        let there = fs::symlink_metadata(path).map(inode);
-        there.is_ok_and(|there| file.metadata().map(inode).is_ok_and(|open| open == there))
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = file;
-        path.exists()
-    }
 }
 
 /// Ends the line of a process that was killed while writing it.

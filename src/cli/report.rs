@@ -9,14 +9,17 @@ use std::{
 
 use serde::Serialize;
 use strahl::{
-    Error, RenderOptions, Scene, Size, diagnostic::is_named_pipe, film::Crop,
-    image_file::write_file, parallel::Cancel, render::Seen, scene::Origin, text::Stamp,
+    Error, RenderOptions, Scene, Size,
+    diagnostic::{folder_of, is_named_pipe},
+    film::Crop,
+    image_file::write_file,
+    parallel::Cancel,
+    render::Seen,
+    scene::Origin,
+    text::Stamp,
 };
 
-use super::{
-    Failure,
-    paths::{folder_of, is_dash},
-};
+use super::{Failure, paths::is_dash};
 
 /// A geometry of the world, and its place in the scene.
 #[derive(Clone, Serialize)]

@@ -12,7 +12,7 @@ use std::{
 use clap::builder::TypedValueParser;
 use strahl::{
     Diagnostic, Document, Error, ReadOptions, Syntax,
-    diagnostic::{Code, Severity},
+    diagnostic::{Code, Severity, folder_of},
     jobs::Config,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
     scene::PartFindings,
@@ -24,7 +24,7 @@ use super::{
     Failure,
     config::ConfigArgs,
     fit::FitArgs,
-    paths::{folder_of, is_dash},
+    paths::is_dash,
     set::{self, SetArgs},
     threads::lock,
     words::one_of,

@@ -15,7 +15,7 @@ pub use explain::{describe, page_url};
 pub use levels::Levels;
 pub use named::UnknownName;
 pub use path::{Path, Step};
-pub use reading::{is_named_pipe, open_file, read_file, read_text};
+pub use reading::{folder_of, is_at, is_named_pipe, open_file, read_file, read_text};
 
 use named::named;
 use setters::setters;

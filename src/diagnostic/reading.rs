@@ -13,6 +13,30 @@ use std::{
 /// The folders of what is open already.
 const OPEN: [&str; 2] = ["/dev", "/proc"];
 
+/// Returns the folder of a file, `.` for a bare name.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Returns true if an open file is still the one at a path; elsewhere than on Unix, if there is any.
+pub fn is_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let inode = |found: Metadata| (found.dev(), found.ino());
+        let there = fs::symlink_metadata(path).map(inode);
+        there.is_ok_and(|there| file.metadata().map(inode).is_ok_and(|open| open == there))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = file;
+        path.exists()
+    }
+}
+
 /// Opens a file for reading: a regular one, or standard input and the like by a path in `/dev` or
 /// `/proc`.
 ///

@@ -3,8 +3,6 @@
 //! The format is described by Greg Ward, "Real Pixels", Graphics Gems II, 1991. The header has no
 //! date. It states the primaries, which are those of sRGB and not Radiance's default.
 
-use std::io::Write;
-
 use crate::{
     diagnostic::error::Error,
     film::size::Size,
@@ -36,17 +34,12 @@ const WITH_RUNS: std::ops::RangeInclusive<u32> = 8..=32_767;
 /// The only supported pixel type.
 const PIXEL: Pixel = Pixel::Rgb(Sample::F32);
 
-fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     let Form { size, encoding, .. } = form;
     let header = header(size, encoding);
-    writer
-        .write_all(header.as_bytes())
-        .map_err(Error::writing)?;
     let width = size.width() as usize;
-    let mut file = Vec::new();
-    let mut columns = vec![0; width];
-    draw(&mut |rows| {
-        file.clear();
+    output.write_rows(header.as_bytes(), draw, |rows| {
+        let (mut file, mut columns) = (Vec::new(), vec![0; width]);
         let (pixels, _) = rows.as_chunks::<12>();
         for row in pixels.chunks(width) {
             let pixels: Vec<[u8; 4]> = row.iter().map(|pixel| rgbe(numbers(pixel))).collect();
@@ -62,9 +55,8 @@ fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
                 file.extend(pixels.as_flattened());
             }
         }
-        writer.write_all(&file).map_err(Error::writing)
-    })?;
-    writer.flush().map_err(Error::writing)
+        file.into()
+    })
 }
 
 fn header(size: Size, encoding: Encoding) -> String {

@@ -1,8 +1,6 @@
 //! NPY of `NumPy`, version 1.0: an array with axes for rows, columns and, for colors, the numbers
 //! of a pixel.
 
-use std::io::Write;
-
 use crate::{
     diagnostic::error::Error,
     film::size::Size,
@@ -30,17 +28,12 @@ pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     pixel.samples()
 }
 
-fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     let Form { size, pixel, .. } = form;
     let (count, sample) =
         layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPY, pixel))?;
     let header = header(size, count, sample);
-    writer.write_all(&header).map_err(Error::writing)?;
-    draw(&mut |rows| {
-        let rows = sample.little_endian(rows);
-        writer.write_all(&rows).map_err(Error::writing)
-    })?;
-    writer.flush().map_err(Error::writing)
+    output.write_rows(&header, draw, |rows| sample.little_endian(rows))
 }
 
 /// Returns the header: a Python literal, padded so that the numbers begin at a multiple of 64.

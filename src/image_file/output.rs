@@ -1,8 +1,11 @@
 //! Output of the bytes of a file: from front to back, or with seeking.
 
-use std::io::{self, BufWriter, Seek, Write};
+use std::{
+    borrow::Cow,
+    io::{self, BufWriter, Seek, Write},
+};
 
-use crate::diagnostic::error::Error;
+use crate::{diagnostic::error::Error, image_file::Draw};
 
 const BUFFER: usize = 1 << 18;
 
@@ -20,6 +23,18 @@ pub(crate) trait WriteSeek: Write + Seek {}
 impl<T: Write + Seek> WriteSeek for T {}
 
 impl Output<'_> {
+    /// Writes a header and then each band of rows, as the bytes that `encode` returns.
+    pub(crate) fn write_rows(
+        mut self,
+        header: &[u8],
+        draw: Draw,
+        encode: impl Fn(&[u8]) -> Cow<'_, [u8]>,
+    ) -> Result<(), Error> {
+        self.write_all(header).map_err(Error::writing)?;
+        draw(&mut |rows| self.write_all(&encode(rows)).map_err(Error::writing))?;
+        self.flush().map_err(Error::writing)
+    }
+
     /// Calls `write` with a seekable output. For a stream this is an unnamed temporary file, which
     /// is then copied to the stream: memory might not have room for it.
     pub(crate) fn going_back(

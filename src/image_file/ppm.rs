@@ -1,7 +1,5 @@
 //! Binary PPM: a text header, then the uncompressed pixels.
 
-use std::io::Write;
-
 use crate::{
     diagnostic::error::Error,
     image_file::{
@@ -31,15 +29,11 @@ fn layout(pixel: Pixel) -> Option<Sample> {
     }
 }
 
-fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     let Form { size, pixel, .. } = form;
     let sample = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PPM, pixel))?;
     let (width, height) = (size.width(), size.height());
     let most = (1_u32 << (8 * sample.bytes())) - 1;
-    write!(writer, "P6\n{width} {height}\n{most}\n").map_err(Error::writing)?;
-    draw(&mut |rows| {
-        let rows = sample.big_endian(rows);
-        writer.write_all(&rows).map_err(Error::writing)
-    })?;
-    writer.flush().map_err(Error::writing)
+    let header = format!("P6\n{width} {height}\n{most}\n");
+    output.write_rows(header.as_bytes(), draw, |rows| sample.big_endian(rows))
 }

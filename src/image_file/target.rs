@@ -16,7 +16,10 @@ use std::{
 use tempfile::{NamedTempFile, TempPath};
 
 use crate::{
-    diagnostic::{error::Error, reading::open_file},
+    diagnostic::{
+        error::Error,
+        reading::{folder_of, is_at, open_file},
+    },
     image_file::output::Output,
     parallel::Cancel,
 };
@@ -363,16 +366,6 @@ fn clear_left_behind(path: &Path) {
     }
 }
 
-/// Returns true if an open file is the one at a path.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-
-    let inode = |found: fs::Metadata| (found.dev(), found.ino());
-    let there = fs::symlink_metadata(path).map(inode).ok();
-    there.is_some() && there == file.metadata().map(inode).ok()
-}
-
 #[cfg(not(unix))]
 fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
     any_temporary_file(folder_of(place))
@@ -380,14 +373,6 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
 
 const PREFIX: &str = ".strahl-";
 const SUFFIX: &str = ".tmp";
-
-/// Returns the folder of a file.
-pub(crate) fn folder_of(place: &Path) -> &Path {
-    match place.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
-}
 
 fn any_temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();

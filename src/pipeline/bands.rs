@@ -7,12 +7,12 @@ use std::{
 };
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
-    film::crop::Crop,
-    image_file::{
-        ImageFormat, part,
-        target::{Target, folder_of},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        reading::folder_of,
     },
+    film::crop::Crop,
+    image_file::{ImageFormat, part, target::Target},
     jobs::shard::{BAND, Shard},
     parallel::timings::Stage,
     pipeline::{Scene, options::RenderOptions},

@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, plain},
+    diagnostic::{Code, plain, reading::folder_of},
     parallel::{Cancel, timings::Timings},
     scene::{
         build::{self, BuiltList},
@@ -192,11 +192,7 @@ impl Reader<'_> {
     /// Returns the folder from which the paths in a file start: that of its name, which a link may have
     /// in a folder of its own.
     fn folder_of(&self, name: &FilePath, path: &FilePath) -> PathBuf {
-        let folder = match name.parent() {
-            Some(folder) if folder != FilePath::new("") => folder,
-            _ => FilePath::new("."),
-        };
-        let found = self.options.all_files().resolve(folder);
+        let found = self.options.all_files().resolve(folder_of(name));
         found.unwrap_or_else(|_| path.parent().unwrap_or(path).to_owned())
     }
 

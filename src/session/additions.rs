@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::{
-    diagnostic::error::Error,
+    diagnostic::{error::Error, named::named},
     scene::{
         document::Document, format::scene::Model, locate::items, options::ReadOptions,
         recover::name_of, source::Source,
@@ -15,30 +15,20 @@ use crate::{
     },
 };
 
-/// A list of parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PartList {
-    /// The named cameras.
-    Cameras,
-    /// The lights.
-    Lights,
-    /// The geometries.
-    Geometries,
+named! {
+    /// A list of parts, by the name of its field, in the order of their names in a scene.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum PartList {
+        /// The named cameras.
+        Cameras = "cameras",
+        /// The lights.
+        Lights = "lights",
+        /// The geometries.
+        Geometries = "geometries",
+    }
 }
 
 impl PartList {
-    /// All, in the order of their names in a scene.
-    pub const ALL: [Self; 3] = [Self::Cameras, Self::Lights, Self::Geometries];
-
-    /// Returns the name of the field.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cameras => "cameras",
-            Self::Lights => "lights",
-            Self::Geometries => Model::LONG,
-        }
-    }
-
     /// Returns the variants that can be added, each with its text. Those that need more than a sample,
     /// such as a file, are left out.
     pub fn samples(self, syntax: Syntax) -> &'static [(String, String)] {
@@ -50,41 +40,27 @@ impl PartList {
     }
 
     fn find_samples(self, syntax: Syntax) -> Vec<(String, String)> {
-        let key = |name: &str| match syntax {
-            Syntax::Ron => format!("{name}: "),
-            Syntax::Json => format!("\"{name}\": "),
-        };
-        let (open, close, camera, ball) = match syntax {
+        let [open, close] = syntax.brackets();
+        let (camera, ball) = match syntax {
             Syntax::Ron => (
-                '(',
-                ')',
                 "Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 60)",
                 "Sphere(center: (0, 0, 0), radius: 1, color: \"#fff\")",
             ),
             Syntax::Json => (
-                '{',
-                '}',
                 r#"{"Perspective": {"eye": [0, 0, 9], "gaze": [0, 0, -1], "fov": 60}}"#,
                 r##"{"Sphere": {"center": [0, 0, 0], "radius": 1, "color": "#fff"}}"##,
             ),
         };
-        let camera = format!("{}{camera}", key("camera"));
-        let ball = format!("{}[{ball}]", key(Model::LONG));
-        let others = match self {
-            Self::Cameras => ball,
-            Self::Lights => format!("{camera}, {ball}"),
-            Self::Geometries => camera,
+        let camera = syntax.key("camera") + camera;
+        let ball = format!("{}[{ball}]", syntax.key(Model::LONG));
+        let list = syntax.key(self.name()) + "[";
+        let (others, field, end) = match self {
+            Self::Cameras => (ball, syntax.key("camera"), ""),
+            Self::Lights => (format!("{camera}, {ball}"), list, "]"),
+            Self::Geometries => (camera, list, "]"),
         };
-        let (before, after) = match self {
-            Self::Cameras => (
-                format!("{open}{others}, {}", key("camera")),
-                close.to_string(),
-            ),
-            _ => (
-                format!("{open}{others}, {}[", key(self.name())),
-                format!("]{close}"),
-            ),
-        };
+        let before = format!("{open}{others}, {field}");
+        let after = format!("{end}{close}");
         let source = Source::new(format!("{before}{after}"), syntax);
         let found = source.completions(before.len(), &ReadOptions::new());
         let samples = found
@@ -125,15 +101,12 @@ impl Checked {
         let start = tree.node(key).range().start;
         let indent =
             indent(text, start).map_or_else(|| " ".to_owned(), |indent| format!("\n{indent}"));
-        let name = match syntax {
-            Syntax::Ron => list.name().to_owned(),
-            Syntax::Json => format!("\"{}\"", list.name()),
-        };
+        let name = syntax.key(list.name());
         let (open, close) = match list {
             PartList::Cameras => ('{', '}'),
             _ => ('[', ']'),
         };
-        let field = format!("{name}: {open}{part}{close},{indent}");
+        let field = format!("{name}{open}{part}{close},{indent}");
         Ok(vec![Edit::insert(start, field)])
     }
 
@@ -211,7 +184,7 @@ mod tests {
         ])"##;
         for text in [TEXT, json, inline] {
             let found = checked(text);
-            for list in PartList::ALL {
+            for &list in PartList::ALL {
                 let samples = list.samples(found.document().syntax());
                 let least = if list == PartList::Geometries { 11 } else { 3 };
                 assert!(samples.len() >= least, "{samples:?}");

@@ -20,7 +20,7 @@ pub(super) struct LightTerms<'a> {
 }
 
 /// A part of an explanation.
-trait Part {
+trait ExplainedStep {
     /// Adds its entries in data.
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error>;
 
@@ -31,7 +31,7 @@ trait Part {
 /// A part in data, with the scene that names its geometries.
 struct Of<'a, T>(&'a Scene, &'a T);
 
-impl<T: Part> Serialize for Of<'_, T> {
+impl<T: ExplainedStep> Serialize for Of<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         self.1.data(self.0, &mut map)?;
@@ -39,7 +39,7 @@ impl<T: Part> Serialize for Of<'_, T> {
     }
 }
 
-fn all<'a, T: Part>(scene: &'a Scene, parts: &'a [T]) -> Vec<Of<'a, T>> {
+fn all<'a, T: ExplainedStep>(scene: &'a Scene, parts: &'a [T]) -> Vec<Of<'a, T>> {
     parts.iter().map(|part| Of(scene, part)).collect()
 }
 
@@ -99,7 +99,7 @@ fn seen(scene: &Scene, hit: Option<usize>, background: &str) -> String {
     hit.map_or_else(|| background.to_owned(), name)
 }
 
-impl Part for ExplainedPixel {
+impl ExplainedStep for ExplainedPixel {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
         let light = self.parts.sum();
         map.serialize_entry("samples", &all(scene, &self.samples))?;
@@ -158,7 +158,7 @@ fn name(mapping: ToneMapping) -> &'static str {
     }
 }
 
-impl Part for ExplainedSample {
+impl ExplainedStep for ExplainedSample {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
         let origin = |hit: Option<usize>| hit.map(|id| OriginTerms::new(scene, id));
         let inked_by = self.outlined_by.map(|([right, up], hit)| Neighbor {
@@ -200,7 +200,7 @@ struct Neighbor<'a> {
     hit: Option<OriginTerms<'a>>,
 }
 
-impl Part for TracedRay {
+impl ExplainedStep for TracedRay {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
         map.serialize_entry("depth", &self.depth)?;
         if let Some(own) = self.own {
@@ -248,7 +248,7 @@ impl Part for TracedRay {
     }
 }
 
-impl Part for Shading {
+impl ExplainedStep for Shading {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
         map.serialize_entry("hit", &OriginTerms::new(scene, self.id))?;
         map.serialize_entry("t", &self.t)?;
@@ -280,7 +280,7 @@ impl Part for Shading {
     }
 }
 
-impl Part for ShiningLight {
+impl ExplainedStep for ShiningLight {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
         let crossings = self.crossings.iter().map(|&(id, t, factor)| Crossing {
             geometry: OriginTerms::new(scene, id),

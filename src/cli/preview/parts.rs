@@ -34,7 +34,7 @@ pub(super) fn list(desk: &Desk, asked: Version) -> Answer {
         })
     };
     let parts: Vec<_> = parts.into_iter().take(MOST).map(placed).collect();
-    let samples = PartList::ALL.into_iter().map(|list| {
+    let samples = PartList::ALL.iter().map(|list| {
         let samples = list.samples(document.syntax()).iter();
         let names = samples.map(|(name, _)| Value::from(&**name)).collect();
         (list.name().to_owned(), Value::Array(names))
@@ -62,9 +62,7 @@ pub(super) struct Change {
 pub(super) fn change(desk: &Desk, asked: Change) -> Answer {
     let checked = checked(desk, asked.version)?;
     let document = checked.document();
-    let list = asked
-        .list
-        .and_then(|name| PartList::ALL.into_iter().find(|list| list.name() == name));
+    let list = asked.list.as_deref().and_then(PartList::of_name);
     let edits = match (asked.hide_or_show, list, asked.add) {
         (Some(place), ..) => checked.hide_or_show(place.offset(&document.lines()))?,
         (None, Some(list), Some(variant)) => checked.add_part(list, &variant)?,

@@ -12,7 +12,11 @@ use std::{
 use ignore::gitignore::Gitignore;
 
 use crate::{
-    diagnostic::{error::Error, levels::Levels, reading::read_text},
+    diagnostic::{
+        error::Error,
+        levels::Levels,
+        reading::{folder_of, read_text},
+    },
     report::OutputFormat,
     scene::options::ReadOptions,
 };
@@ -112,11 +116,7 @@ impl Configs {
     /// its folder, which need not exist, and in each parent up to the first that does.
     pub fn files(&self, path: impl AsRef<Path>) -> Vec<PathBuf> {
         let path = path.as_ref();
-        let folder = match path.parent() {
-            _ if path.is_dir() => path,
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
+        let folder = if path.is_dir() { path } else { folder_of(path) };
         let Some(folder) = self.0.as_ref().and_then(|_| folder.canonicalize().ok()) else {
             return Vec::new();
         };
