@@ -20,7 +20,10 @@ pub use reading::{folder_of, is_at, is_named_pipe, open_file, read_file, read_te
 use named::named;
 use setters::setters;
 
-use crate::text::edit::Edit;
+use crate::text::{
+    edit::Edit,
+    nearest::{nearest, quote},
+};
 
 named! {
     /// The severity of a [`Diagnostic`].
@@ -266,6 +269,14 @@ impl Diagnostic {
             path: Path::ROOT,
             labels: Vec::new(),
             in_file: None,
+        }
+    }
+
+    /// Adds the known name that is probably meant, if there is one, as the help.
+    pub(crate) fn meaning(self, name: &str, known: &[&str]) -> Self {
+        match nearest(name, known) {
+            Some(meant) => self.with_help(format!("did you mean {}?", quote(meant))),
+            None => self,
         }
     }
 

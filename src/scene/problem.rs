@@ -5,7 +5,6 @@ use std::{collections::BTreeMap, mem, ops::Range};
 use crate::{
     data::fault::Spot,
     diagnostic::{Code, Diagnostic, Fix, Label, Severity, path::Path},
-    scene::unknown,
     text::{
         nearest::{nearest, quote},
         syntax::Fault,
@@ -115,6 +114,28 @@ impl Problem {
         }
     }
 
+    /// Creates the problem of a field of a thing, with the path from there.
+    pub(crate) fn of_field(code: Code, field: &'static str, message: impl Into<String>) -> Self {
+        Self::new(code, Path::ROOT.field(field), Focus::Value, message)
+    }
+
+    /// Adds a label at another field of the thing.
+    pub(crate) fn beside(self, field: &'static str, message: impl Into<String>) -> Self {
+        self.label(Path::ROOT.field(field), Focus::Value, message)
+    }
+
+    /// Converts the paths from a thing to those from the root, given that of the thing.
+    pub(crate) fn inside(mut self, around: &Path) -> Self {
+        let labels = self.labels.iter_mut().map(|(path, ..)| path);
+        let exchanged = match &mut self.cure {
+            Some(Cure::Exchange(pairs)) => pairs.as_flattened_mut(),
+            _ => &mut [],
+        };
+        let paths = labels.chain(exchanged).chain([&mut self.diagnostic.path]);
+        paths.for_each(|path| *path = around.join(path.steps()));
+        self
+    }
+
     /// Creates a problem whose message ends with the value.
     pub(crate) fn of_value(code: Code, path: Path, message: impl Into<String>) -> Self {
         Self {
@@ -145,7 +166,7 @@ impl Problem {
 
     /// Adds the known name that is probably meant, if there is one, as the help and the fix.
     pub(crate) fn meaning(mut self, name: &str, known: &[&str]) -> Self {
-        self.diagnostic = unknown::meaning(self.diagnostic, name, known);
+        self.diagnostic = self.diagnostic.meaning(name, known);
         match nearest(name, known) {
             Some(meant) => self.cure(Cure::Write(serde_json::Value::from(meant).to_string())),
             None => self,

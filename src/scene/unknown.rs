@@ -18,7 +18,7 @@ use crate::{
 pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
     let message = message(kind, name, known);
     let diagnostic = Diagnostic::new(Code::UnknownName, 0..name.len(), message);
-    meaning(diagnostic, name, known)
+    diagnostic.meaning(name, known)
 }
 
 /// Returns the message about an unknown name.
@@ -30,14 +30,6 @@ pub(crate) fn message(kind: &str, name: &str, known: &[&str]) -> String {
             let expected = one_of(known, nearest(name, known).is_some());
             format!("unknown {kind} {found}, expected {expected}")
         }
-    }
-}
-
-/// Adds the known name that is probably meant, if there is one, as the help.
-pub(crate) fn meaning(fault: Diagnostic, name: &str, known: &[&str]) -> Diagnostic {
-    match nearest(name, known) {
-        Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
-        None => fault,
     }
 }
 
@@ -158,7 +150,7 @@ fn index_in<'m>(
             let name = element.name().unwrap_or_default();
             let Some(index) = names.clone().position(|known| known == Some(name)) else {
                 let fault = unknown(format!("no {what} has the name {}", quote(name)));
-                return Err(meaning(fault, name, &names.flatten().collect::<Vec<_>>()));
+                return Err(fault.meaning(name, &names.flatten().collect::<Vec<_>>()));
             };
             element.step = Step::Index(index);
         }

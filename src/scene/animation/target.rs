@@ -392,5 +392,5 @@ fn unknown_field(name: &str, fields: &[Field]) -> Diagnostic {
         quote(name),
         list(&known)
     );
-    unknown::meaning(unknown_path(message), name, &known)
+    unknown_path(message).meaning(name, &known)
 }

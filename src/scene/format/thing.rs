@@ -261,14 +261,24 @@ pub(crate) trait Thing {
     where
         Self: Sized;
 
+    /// Returns what it passes everything on to: the object that it is one of, or what is in a pointer.
+    fn inner(&self) -> Option<&dyn Thing> {
+        None
+    }
+
+    /// The same, writable.
+    fn inner_mut(&mut self) -> Option<&mut dyn Thing> {
+        None
+    }
+
     /// Returns the fields; a list and a map have none.
     fn fields(&self) -> &'static [Field] {
-        &[]
+        self.inner().map_or(&[], |inner| inner.fields())
     }
 
     /// Returns the fields that are given in place of each other; true for those that are given.
     fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
-        Vec::new()
+        self.inner().map_or_else(Vec::new, |inner| inner.sets())
     }
 
     /// Calls `see` for every field that is given and has a value.
@@ -279,17 +289,20 @@ pub(crate) trait Thing {
     }
 
     /// Returns true if a number, a vector or a color is given, or has a default.
-    fn has(&self, _field: &str) -> bool {
-        false
+    fn has(&self, field: &str) -> bool {
+        self.inner().is_some_and(|inner| inner.has(field))
     }
 
     /// Returns the slot of a field's value; an optional field with a default is set to it.
-    fn slot(&mut self, _field: &str) -> Option<Slot<'_>> {
-        None
+    fn slot(&mut self, field: &str) -> Option<Slot<'_>> {
+        self.inner_mut()?.slot(field)
     }
 
     /// Calls `see` with each thing inside of it.
-    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()>;
+    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
+        let inner = self.inner();
+        inner.map_or(ControlFlow::Continue(()), |inner| inner.things(see))
+    }
 
     /// Returns the steps to the things inside of it.
     fn steps(&self) -> Vec<Step> {
@@ -303,6 +316,9 @@ pub(crate) trait Thing {
 
     /// Returns the thing inside of it that a step leads to, and the step.
     fn at<'m>(&'m self, step: &Step) -> Option<(Step, &'m dyn Thing)> {
+        if let Some(inner) = self.inner() {
+            return inner.at(step);
+        }
         let mut found = None;
         let _ = self.things(&mut |other, thing| {
             if !other.leads_as(step) {
@@ -321,7 +337,7 @@ pub(crate) trait Thing {
 
     /// Returns the name of the variant that it is.
     fn variant(&self) -> Option<&'static str> {
-        None
+        self.inner()?.variant()
     }
 
     /// Leads to what is at a step, or returns `follow` if the step leads nowhere.
@@ -333,8 +349,8 @@ pub(crate) trait Thing {
     }
 
     /// Removes an entry of a map; returns false if there is no such entry.
-    fn remove(&mut self, _step: &Step) -> bool {
-        false
+    fn remove(&mut self, step: &Step) -> bool {
+        self.inner_mut().is_some_and(|inner| inner.remove(step))
     }
 }
 
@@ -399,34 +415,18 @@ macro_rules! forward {
                 T::of_type()
             }
 
-            fn fields(&self) -> &'static [Field] {
-                (**self).fields()
+            fn inner(&self) -> Option<&dyn Thing> {
+                Some(&**self)
+            }
+
+            fn inner_mut(&mut self) -> Option<&mut dyn Thing> {
+                let $self = self;
+                Some($writable)
             }
 
             #[inline]
             fn each<'m>(&'m self, see: impl FnMut(&'static Field, Value<'m>)) {
                 (**self).each(see);
-            }
-
-            fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
-                (**self).sets()
-            }
-
-            fn has(&self, field: &str) -> bool {
-                (**self).has(field)
-            }
-
-            fn slot(&mut self, field: &str) -> Option<Slot<'_>> {
-                let $self = self;
-                T::slot($writable, field)
-            }
-
-            fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
-                (**self).things(see)
-            }
-
-            fn variant(&self) -> Option<&'static str> {
-                (**self).variant()
             }
 
             fn enter<F: Follow>(&mut self, step: &Step, follow: F) -> Result<F::Out, F> {
@@ -445,8 +445,12 @@ impl<T: Thing> Thing for Option<T> {
         T::of_type()
     }
 
-    fn fields(&self) -> &'static [Field] {
-        self.as_ref().map_or(&[], T::fields)
+    fn inner(&self) -> Option<&dyn Thing> {
+        self.as_ref().map(|thing| thing as &dyn Thing)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Thing> {
+        self.as_mut().map(|thing| thing as &mut dyn Thing)
     }
 
     fn each<'m>(&'m self, see: impl FnMut(&'static Field, Value<'m>)) {
@@ -455,33 +459,8 @@ impl<T: Thing> Thing for Option<T> {
         }
     }
 
-    fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
-        self.as_ref().map(T::sets).unwrap_or_default()
-    }
-
-    fn has(&self, field: &str) -> bool {
-        self.as_ref().is_some_and(|thing| thing.has(field))
-    }
-
-    fn slot(&mut self, field: &str) -> Option<Slot<'_>> {
-        self.as_mut()?.slot(field)
-    }
-
-    fn things<'m>(&'m self, see: See<'_, 'm>) -> ControlFlow<()> {
-        self.as_ref()
-            .map_or(ControlFlow::Continue(()), |thing| thing.things(see))
-    }
-
-    fn at<'m>(&'m self, step: &Step) -> Option<(Step, &'m dyn Thing)> {
-        self.as_ref()?.at(step)
-    }
-
     fn is_given(&self) -> bool {
         self.is_some()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        self.as_ref().and_then(T::variant)
     }
 
     fn enter<F: Follow>(&mut self, step: &Step, follow: F) -> Result<F::Out, F> {
@@ -489,9 +468,5 @@ impl<T: Thing> Thing for Option<T> {
             Some(thing) => thing.enter(step, follow),
             None => Err(follow),
         }
-    }
-
-    fn remove(&mut self, step: &Step) -> bool {
-        self.as_mut().is_some_and(|thing| thing.remove(step))
     }
 }

@@ -52,9 +52,15 @@ macro_rules! variants {
                     thing::Type::OneOf(&ONE_OF)
                 }
 
-                fn fields(&self) -> &'static [field::Field] {
+                fn inner(&self) -> Option<&dyn thing::Thing> {
                     match self {
-                        $(Self::$variant(thing) => thing.fields()),*
+                        $(Self::$variant(thing) => Some(thing)),*
+                    }
+                }
+
+                fn inner_mut(&mut self) -> Option<&mut dyn thing::Thing> {
+                    match self {
+                        $(Self::$variant(thing) => Some(thing)),*
                     }
                 }
 
@@ -62,30 +68,6 @@ macro_rules! variants {
                 fn each<'m>(&'m self, see: impl FnMut(&'static field::Field, field::Value<'m>)) {
                     match self {
                         $(Self::$variant(thing) => thing.each(see)),*
-                    }
-                }
-
-                fn sets(&self) -> Vec<(&'static thing::Set, [bool; 2])> {
-                    match self {
-                        $(Self::$variant(thing) => thing.sets()),*
-                    }
-                }
-
-                fn has(&self, field: &str) -> bool {
-                    match self {
-                        $(Self::$variant(thing) => thing.has(field)),*
-                    }
-                }
-
-                fn slot(&mut self, field: &str) -> Option<field::Slot<'_>> {
-                    match self {
-                        $(Self::$variant(thing) => thing.slot(field)),*
-                    }
-                }
-
-                fn things<'m>(&'m self, see: thing::See<'_, 'm>) -> std::ops::ControlFlow<()> {
-                    match self {
-                        $(Self::$variant(thing) => thing.things(see)),*
                     }
                 }
 

@@ -275,7 +275,7 @@ impl<'a> Fill<'a> {
             _ if self.inside().iter().any(|part| part.name().is_none()) => {
                 // The name of a list may be misspelt.
                 let fault = self.not_given(self.path.len());
-                unknown::meaning(fault, part.name().unwrap_or_default(), &fields)
+                fault.meaning(part.name().unwrap_or_default(), &fields)
             }
             // Alone in its struct, so that the field it resembles does not count as given.
             (of_type, _) => match self.create::<T>(Some(of_type), thing.variant()) {

@@ -28,22 +28,10 @@ impl Found {
 
     pub(super) fn between_fields(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let path = || model.path_of(at);
-        for clash in geometry.clashes() {
-            if self.tally.only_counts(clash.code) {
-                continue;
+        for fault in geometry.faults() {
+            if !self.tally.only_counts(fault.code()) {
+                self.push(fault.inside(&path()));
             }
-            let path = path();
-            let place = clash.place.path(&path);
-            let mut problem = Problem::new(clash.code, place, Focus::Value, clash.message);
-            problem.shows_value = clash.shows_value;
-            for (other, label) in clash.others {
-                problem = problem.label(other.path(&path), Focus::Value, label);
-            }
-            let exchanged = clash.exchanged.iter();
-            let exchanged = exchanged.map(|pair| pair.each_ref().map(|place| place.path(&path)));
-            let exchanged: Vec<_> = exchanged.collect();
-            let cure = (!exchanged.is_empty()).then_some(Cure::Exchange(exchanged));
-            self.push(problem.help(clash.help).cure(cure));
         }
         if let Some(transform) = geometry.transform() {
             self.transform(transform, &|| path().field("transform"));

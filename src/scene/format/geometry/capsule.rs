@@ -3,9 +3,12 @@
 use glam::DVec3;
 
 use crate::{
-    scene::format::geometry::{
-        clash::Clash,
-        kind::{GeometryKind, colored},
+    scene::{
+        format::geometry::{
+            faults,
+            kind::{GeometryKind, colored},
+        },
+        problem::Problem,
     },
     tracer::{
         error::GeometryError,
@@ -33,7 +36,7 @@ impl GeometryKind for CapsuleModel {
         Some(Capsule::new(from, to, self.radius).map(Shape::from))
     }
 
-    fn clashes(&self) -> Vec<Clash> {
-        Clash::of_axis([&self.from, &self.to], "capsule")
+    fn faults(&self) -> Vec<Problem> {
+        faults::of_axis([&self.from, &self.to], "capsule")
     }
 }

@@ -3,9 +3,12 @@
 use glam::DVec3;
 
 use crate::{
-    scene::format::geometry::{
-        clash::Clash,
-        kind::{GeometryKind, colored},
+    scene::{
+        format::geometry::{
+            faults,
+            kind::{GeometryKind, colored},
+        },
+        problem::Problem,
     },
     tracer::{
         error::GeometryError,
@@ -46,7 +49,7 @@ impl GeometryKind for ConeModel {
         see(f64::from(u8::from(self.capped())));
     }
 
-    fn clashes(&self) -> Vec<Clash> {
-        Clash::of_axis([&self.from, &self.to], "cone")
+    fn faults(&self) -> Vec<Problem> {
+        faults::of_axis([&self.from, &self.to], "cone")
     }
 }

@@ -4,9 +4,13 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::Code,
-    scene::format::{
-        geometry::clash::{Clash, number, shown},
-        geometry::kind::{GeometryKind, colored},
+    scene::{
+        format::geometry::{
+            faults::value,
+            faults::{number, shown},
+            kind::{GeometryKind, colored},
+        },
+        problem::{Cure, Focus, Problem},
     },
     tracer::{
         error::GeometryError,
@@ -34,32 +38,36 @@ impl GeometryKind for BoxModel {
         Some(Cuboid::new(DVec3::from(self.min), DVec3::from(self.max)).map(Shape::from))
     }
 
-    fn clashes(&self) -> Vec<Clash> {
+    fn faults(&self) -> Vec<Problem> {
         let (min, max) = (self.min, self.max);
         let is_finite = |axis: &usize| min[*axis].is_finite() && max[*axis].is_finite();
         let axes = (0..3).filter(is_finite);
         let axes: Vec<_> = axes.filter(|axis| max[*axis] <= min[*axis]).collect();
         let (flat, exchanged): (Vec<_>, Vec<_>) =
             axes.into_iter().partition(|axis| max[*axis] == min[*axis]);
-        let found = |axis: usize| {
+        let fault = |axis: usize| {
             let (of_min, of_max) = (number(min[axis]), number(max[axis]));
-            format!("`max` must be above `min`, which is `{of_min}`, found `{of_max}`")
+            let message =
+                format!("`max` must be above `min`, which is `{of_min}`, found `{of_max}`");
+            Problem::new(
+                Code::OutOfRange,
+                value("max", [axis]),
+                Focus::Value,
+                message,
+            )
+            .label(value("min", [axis]), Focus::Value, "`min`")
         };
         let flat = flat.into_iter().map(|axis| {
             let name = AXES[axis];
             let help =
                 format!("a box has a length above 0 along {name}; a flat one is a `Rectangle`");
-            Clash::new(Code::OutOfRange, "max", found(axis), help)
-                .at([axis])
-                .with("min", [axis], "`min`")
+            fault(axis).help(help)
         });
-        let mut clashes: Vec<_> = flat.collect();
+        let mut faults: Vec<_> = flat.collect();
         // One slip, one fault.
-        let clash = match *exchanged {
-            [] => return clashes,
-            [axis] => Clash::new(Code::OutOfRange, "max", found(axis), "")
-                .at([axis])
-                .with("min", [axis], "`min`"),
+        let fault = match *exchanged {
+            [] => return faults,
+            [axis] => fault(axis),
             _ => {
                 let names: Vec<_> = exchanged.iter().map(|axis| AXES[*axis]).collect();
                 let names = match &*names {
@@ -67,7 +75,7 @@ impl GeometryKind for BoxModel {
                     _ => "x, y and z".to_owned(),
                 };
                 let message = format!("`max` must be above `min`, found it below along {names}");
-                Clash::new(Code::OutOfRange, "max", message, "").with("min", [], "`min`")
+                Problem::of_field(Code::OutOfRange, "max", message).beside("min", "`min`")
             }
         };
         let [mut low, mut high] = [min, max];
@@ -75,8 +83,9 @@ impl GeometryKind for BoxModel {
             (low[*axis], high[*axis]) = (max[*axis], min[*axis]);
         }
         let help = format!("write `min: {}, max: {}`", shown(low), shown(high));
-        let pairs = exchanged.iter().map(|axis| ("min", "max", *axis));
-        clashes.push(Clash { help, ..clash }.exchanging(pairs));
-        clashes
+        let pairs = exchanged.iter();
+        let pairs = pairs.map(|axis| ["min", "max"].map(|field| value(field, [*axis])));
+        faults.push(fault.help(help).cure(Cure::Exchange(pairs.collect())));
+        faults
     }
 }

@@ -4,11 +4,17 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::Code,
-    scene::format::{
-        field::{FieldKind, Triple},
-        geometry::clash::{Clash, shown},
-        geometry::kind::{GeometryKind, colored},
-        thing::Type,
+    scene::{
+        format::{
+            field::{FieldKind, Triple},
+            geometry::{
+                faults::shown,
+                faults::{not_finite, value},
+                kind::{GeometryKind, colored},
+            },
+            thing::Type,
+        },
+        problem::{Focus, Problem},
     },
     tracer::{
         error::GeometryError,
@@ -48,34 +54,37 @@ impl GeometryKind for EllipsoidModel {
         self.axes.iter().flatten().for_each(|number| see(*number));
     }
 
-    fn clashes(&self) -> Vec<Clash> {
+    fn faults(&self) -> Vec<Problem> {
         let Some(axes) = self.three() else {
             let message = format!("an ellipsoid has 3 axes, found {}", self.axes.len());
             let help = "write `axes: [(1, 0, 0), (0, 2, 0), (0, 0, 3)]`";
-            return vec![Clash::new(Code::WrongType, "axes", message, help)];
+            return vec![Problem::of_field(Code::WrongType, "axes", message).help(help)];
         };
-        let mut clashes = Vec::new();
+        let place = |index| value("axes", [index]);
+        let mut faults = Vec::new();
         for (index, axis) in axes.iter().enumerate() {
             if !axis.is_finite() {
                 let numbers = axis.to_array().into_iter().enumerate();
                 let infinite = numbers.filter(|(_, number)| !number.is_finite());
-                clashes.extend(infinite.map(|(at, _)| Clash::not_finite("axes", [index, at])));
+                faults.extend(infinite.map(|(at, _)| not_finite("axes", [index, at])));
             } else if !is_direction(*axis) {
                 let message = "this axis has no direction, its squared length is 0 or not finite \
                                in an f64";
                 let help = "give the way from the center to the surface";
-                clashes.push(Clash::new(Code::ZeroVector, "axes", message, help).at([index]));
+                let fault = Problem::new(Code::ZeroVector, place(index), Focus::Value, message);
+                faults.push(fault.help(help));
             }
         }
-        if clashes.is_empty()
+        if faults.is_empty()
             && let Some((one, other)) = Ellipsoid::skew(axes)
         {
             let message =
                 format!("`axes[{one}]` and `axes[{other}]` must be perpendicular to each other");
-            let clash = Clash::new(Code::OutOfRange, "axes", message, cure(axes)).at([other]);
-            clashes.push(clash.with("axes", [one], "the other one"));
+            let fault = Problem::new(Code::OutOfRange, place(other), Focus::Value, message);
+            let fault = fault.help(cure(axes));
+            faults.push(fault.label(place(one), Focus::Value, "the other one"));
         }
-        clashes
+        faults
     }
 }
 

@@ -1,7 +1,10 @@
 //! What each kind of geometry tells of itself. Defaults are what holds for most.
 
 use crate::{
-    scene::format::geometry::{GeometryModel, clash::Clash, nesting::Inside, table::TableModel},
+    scene::{
+        format::geometry::{GeometryModel, nesting::Inside, table::TableModel},
+        problem::Problem,
+    },
     tracer::{
         error::GeometryError,
         shape::{Shape, solid::Operation},
@@ -21,7 +24,7 @@ pub(super) trait GeometryKind {
 
     /// Returns the faults between fields that are valid alone.
     #[inline]
-    fn clashes(&self) -> Vec<Clash> {
+    fn faults(&self) -> Vec<Problem> {
         Vec::new()
     }
 

@@ -7,15 +7,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
-    scene::format::{
-        color_by::ColorByModel,
-        field::{FieldKind, Triple},
-        geometry::{
-            clash::Clash,
-            kind::{GeometryKind, geometry},
+    scene::{
+        format::{
+            color_by::ColorByModel,
+            field::{FieldKind, Triple},
+            geometry::{
+                faults::{not_finite, value},
+                kind::{GeometryKind, geometry},
+            },
+            material::MaterialModel,
+            thing::Type,
         },
-        material::MaterialModel,
-        thing::Type,
+        problem::{Focus, Problem},
     },
     tracer::{
         color::Color,
@@ -114,20 +117,20 @@ impl GeometryKind for MeshModel {
         }
     }
 
-    fn clashes(&self) -> Vec<Clash> {
+    fn faults(&self) -> Vec<Problem> {
         if self.vertices.is_none() || self.triangles.is_none() {
             return Vec::new();
         }
         if self.triangles().is_empty() {
             let message = "a mesh has at least one triangle";
             let help = "write three numbers of vertices, as in `triangles: [(0, 1, 2)]`";
-            return vec![Clash::new(Code::WrongType, "triangles", message, help)];
+            return vec![Problem::of_field(Code::WrongType, "triangles", message).help(help)];
         }
-        let mut clashes: Vec<_> = self.infinite().chain(self.without_vertices()).collect();
-        if clashes.is_empty() {
-            clashes.extend(self.without_area());
+        let mut faults: Vec<_> = self.infinite().chain(self.without_vertices()).collect();
+        if faults.is_empty() {
+            faults.extend(self.without_area());
         }
-        clashes
+        faults
     }
 
     fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
@@ -185,7 +188,7 @@ impl MeshModel {
     }
 
     /// Returns the faults of vertices that are not finite.
-    fn infinite(&self) -> impl Iterator<Item = Clash> {
+    fn infinite(&self) -> impl Iterator<Item = Problem> {
         let coordinates = self
             .vertices()
             .iter()
@@ -195,11 +198,11 @@ impl MeshModel {
                 axes.map(move |(axis, number)| ([index, axis], number))
             });
         let infinite = coordinates.filter(|(_, number)| !number.is_finite());
-        infinite.map(|(place, _)| Clash::not_finite("vertices", place))
+        infinite.map(|(place, _)| not_finite("vertices", place))
     }
 
     /// Returns the faults of corners that no vertex has.
-    fn without_vertices(&self) -> impl Iterator<Item = Clash> {
+    fn without_vertices(&self) -> impl Iterator<Item = Problem> {
         let count = self.vertices().len();
         let exists = move |corner: &u32| (*corner as usize) < count;
         let corners = || self.triangles().iter().flatten();
@@ -229,12 +232,13 @@ impl MeshModel {
                 1 => "there is no such vertex: the mesh has 1 vertex".to_owned(),
                 count => format!("there is no such vertex: the mesh has {count} vertices"),
             };
-            Clash::new(Code::OutOfRange, "triangles", message, help.clone()).at(place)
+            let place = value("triangles", place);
+            Problem::new(Code::OutOfRange, place, Focus::Value, message).help(&*help)
         })
     }
 
     /// Returns the warning of triangles without area, if there are any.
-    fn without_area(&self) -> Option<Clash> {
+    fn without_area(&self) -> Option<Problem> {
         let corner = |number: u32| {
             self.vertices()
                 .get(number as usize)
@@ -257,6 +261,7 @@ impl MeshModel {
             ),
         };
         let help = "leave out the triangles whose corners lie on a line";
-        Some(Clash::new(Code::NoEffect, "triangles", message, help).at([first]))
+        let place = value("triangles", [first]);
+        Some(Problem::new(Code::NoEffect, place, Focus::Value, message).help(help))
     }
 }

@@ -1,13 +1,13 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
 pub(crate) mod capsule;
-pub(crate) mod clash;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod cylinders;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
+mod faults;
 pub(crate) mod group;
 pub(crate) mod instances;
 mod kind;
@@ -46,14 +46,17 @@ pub use self::{
 use glam::DVec3;
 
 use crate::{
-    scene::format::{
-        color_by::ColorByModel,
-        field::{Name, Value},
-        geometry::{clash::Clash, kind::GeometryKind, nesting::Inside, table::TableModel},
-        material::{Materials, Surface},
-        thing::Thing,
-        transform::TransformModel,
-        variants::variants,
+    scene::{
+        format::{
+            color_by::ColorByModel,
+            field::{Name, Value},
+            geometry::{kind::GeometryKind, nesting::Inside, table::TableModel},
+            material::{Materials, Surface},
+            thing::Thing,
+            transform::TransformModel,
+            variants::variants,
+        },
+        problem::Problem,
     },
     tracer::{
         error::GeometryError,
@@ -183,20 +186,20 @@ impl GeometryModel {
         match self {
             // It may be one of a million.
             Self::Sphere(sphere) => Some(sphere.shape()?.ok()?.membership(eye)),
-            _ => self.standing_of_another(eye),
+            _ => self.membership_of_few(eye),
         }
     }
 
     /// The same for a kind of which there are few.
     #[inline(never)]
-    fn standing_of_another(&self, eye: DVec3) -> Option<Membership> {
+    fn membership_of_few(&self, eye: DVec3) -> Option<Membership> {
         Some(self.any_shape()?.ok()?.membership(eye))
     }
 
     /// Returns the faults between fields that are valid alone.
     #[inline]
-    pub(crate) fn clashes(&self) -> Vec<Clash> {
-        of_each!(self, geometry => geometry.clashes())
+    pub(crate) fn faults(&self) -> Vec<Problem> {
+        of_each!(self, geometry => geometry.faults())
     }
 
     /// Returns its fields with geometries, in the order of the file.

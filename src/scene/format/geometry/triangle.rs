@@ -4,9 +4,12 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::Code,
-    scene::format::geometry::{
-        clash::{Clash, NoArea},
-        kind::{GeometryKind, colored},
+    scene::{
+        format::geometry::{
+            faults::NoArea,
+            kind::{GeometryKind, colored},
+        },
+        problem::Problem,
     },
     tracer::{
         error::GeometryError,
@@ -40,31 +43,31 @@ impl GeometryKind for TriangleModel {
         Some(Triangle::new(a, b, c).map(Shape::from))
     }
 
-    fn clashes(&self) -> Vec<Clash> {
+    fn faults(&self) -> Vec<Problem> {
         let [a, b, c] = self.corners();
         let is_finite = a.is_finite() && b.is_finite() && c.is_finite();
         let no_area = NoArea::of([b - a, c - a]).filter(|_| is_finite);
         let equal = [("b", "a", b == a), ("c", "a", c == a), ("c", "b", c == b)];
         let equal = equal.into_iter().find(|(_, _, are_equal)| *are_equal);
-        let clash = no_area.map(|reason| match equal {
-            Some((field, other, _)) => Clash::new(
-                Code::ZeroVector,
-                field,
-                format!("`{other}` and `{field}` are the same point: the triangle has no area"),
-                "give three different points",
-            )
-            .with(other, [], "the other one"),
+        let fault = no_area.map(|reason| match equal {
+            Some((field, other, _)) => {
+                let message =
+                    format!("`{other}` and `{field}` are the same point: the triangle has no area");
+                let fault = Problem::of_field(Code::ZeroVector, field, message);
+                let fault = fault.help("give three different points");
+                fault.beside(other, "the other one")
+            }
             None => {
-                let clash = reason.clash("c", "sides", "(b - a) × (c - a)");
+                let fault = reason.fault("c", "sides", "(b - a) × (c - a)");
                 let on_a_line = || {
                     let message = "`a`, `b` and `c` lie on one line: the triangle has no area";
                     let help = "give a point beside the line";
-                    Clash::new(Code::ParallelVectors, "c", message, help)
+                    Problem::of_field(Code::ParallelVectors, "c", message).help(help)
                 };
-                let clash = clash.unwrap_or_else(on_a_line);
-                clash.with("a", [], "`a`").with("b", [], "`b`")
+                let fault = fault.unwrap_or_else(on_a_line);
+                fault.beside("a", "`a`").beside("b", "`b`")
             }
         });
-        Vec::from_iter(clash)
+        Vec::from_iter(fault)
     }
 }

@@ -1,10 +1,8 @@
 //! The name of a material, in a scene file.
 
-use std::ops::ControlFlow;
-
 use serde::{Deserialize, Serialize};
 
-use crate::scene::format::thing::{See, Thing, Type};
+use crate::scene::format::thing::{Thing, Type};
 
 /// The name of one of the scene's `materials`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,9 +17,5 @@ impl NamedModel {
 impl Thing for NamedModel {
     fn of_type() -> Type {
         Type::NameOfMaterial
-    }
-
-    fn things<'m>(&'m self, _: See<'_, 'm>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
     }
 }
