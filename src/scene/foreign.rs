@@ -12,141 +12,59 @@ pub(crate) struct Foreign {
     pub(crate) help: &'static str,
 }
 
-/// The first bytes of other files.
-const STARTS: &[(&[u8], Foreign)] = &[
-    (b"\xff\xfe", UTF_16),
-    (b"\xfe\xff", UTF_16),
-    (
-        b"\x1f\x8b",
-        foreign(
-            "the file is compressed with gzip",
-            "decompress it with `gunzip`",
-        ),
-    ),
-    (
-        b"BZh",
-        foreign(
-            "the file is compressed with bzip2",
-            "decompress it with `bunzip2`",
-        ),
-    ),
-    (
-        b"\xfd7zXZ\0",
-        foreign(
-            "the file is compressed with xz",
-            "decompress it with `unxz`",
-        ),
-    ),
-    (
-        b"\x28\xb5\x2f\xfd",
-        foreign(
-            "the file is compressed with zstd",
-            "decompress it with `unzstd`",
-        ),
-    ),
-    (
-        b"version https://git-lfs",
-        foreign(
-            "the file is a Git LFS pointer, not the data",
-            "fetch the data with `git lfs pull`",
-        ),
-    ),
-    (
-        b"/annex/objects/",
-        foreign(
-            "the file is a git-annex pointer, not the data",
-            "fetch the data with `git annex get`",
-        ),
-    ),
-    (b"<!DOCTYPE html", WEB_PAGE),
-    (b"<!doctype html", WEB_PAGE),
-    (b"<html", WEB_PAGE),
-    (
-        b"\x89HDF",
-        foreign(
-            "the file is HDF5",
-            "save its columns as CSV, or as a numpy array with `h5py` and `numpy.save`",
-        ),
-    ),
-    (
-        b"MATLAB 5.0 MAT-file",
-        foreign(
-            "the file is a MAT-file of MATLAB",
-            "save the columns with `writematrix(…, \"points.csv\")`",
-        ),
-    ),
-    (
-        b"# vtk DataFile",
-        foreign("the file is VTK", "save it as CSV or PLY in ParaView"),
-    ),
-    (
-        b"# .PCD",
-        foreign(
-            "the file is PCD, of the Point Cloud Library",
-            "save it as PLY",
-        ),
-    ),
-    (
-        b"LASF",
-        foreign("the file is a LAS or LAZ cloud", "save it as PLY or CSV"),
-    ),
-    (
-        b"glTF",
-        foreign("the file is glTF", "save it as PLY, OBJ or STL"),
-    ),
-    (
-        b"ITEM: TIMESTEP",
-        foreign(
-            "the file is a LAMMPS dump",
-            "write atoms with `dump … xyz`, or the rows alone as CSV",
-        ),
-    ),
-    (
-        b"%PDF",
-        foreign("the file is a PDF document", "save the data itself"),
-    ),
-];
-
-/// Files that a format of this program reads, with its extensions.
-const OWN: &[(&[u8], &[&str], Foreign)] = &[
-    (
-        b"\x93NUMPY",
-        &["npy"],
-        foreign("the file is a numpy array", "call it `.npy`"),
-    ),
-    (
-        b"PK\x03\x04",
-        &["npz"],
-        foreign(
-            "the file is a zip archive, such as .npz or .xlsx",
-            "call arrays of numpy `.npz`; save a sheet of Excel as CSV",
-        ),
-    ),
-    (b"ply\n", &["ply"], PLY),
-    (b"ply\r", &["ply"], PLY),
-];
-
-const UTF_16: Foreign = foreign(
-    "the text is UTF-16, expected UTF-8",
-    "save the file as UTF-8",
-);
-const WEB_PAGE: Foreign = foreign(
-    "the file is a web page, not the data",
-    "download the data itself, such as the raw file",
-);
-const PLY: Foreign = foreign("the file is PLY", "call it `.ply`");
-const MMCIF: Foreign = foreign(
-    "the file is mmCIF, not PDB",
-    "download or save it in the PDB format",
-);
-const CR: Foreign = foreign(
-    "the lines end with CR alone, as on old Macs",
-    "convert the file, such as by `tr '\\r' '\\n'`",
-);
-
-const fn foreign(what: &'static str, help: &'static str) -> Foreign {
-    Foreign { what, help }
+/// A list of the first bytes of files, each with the extension that a format of this program has, if it
+/// reads them, with what that is, and what to do.
+macro_rules! files {
+    ($($start:literal $(in $ending:literal)? => $what:literal, $help:literal;)*) => {
+        &[$(($start, &[$($ending)?], Foreign { what: $what, help: $help })),*]
+    };
 }
+
+/// The first bytes of files.
+const STARTS: &[(&[u8], &[&str], Foreign)] = files! {
+    b"\xff\xfe" => "the text is UTF-16, expected UTF-8", "save the file as UTF-8";
+    b"\xfe\xff" => "the text is UTF-16, expected UTF-8", "save the file as UTF-8";
+    b"\x1f\x8b" => "the file is compressed with gzip", "decompress it with `gunzip`";
+    b"BZh" => "the file is compressed with bzip2", "decompress it with `bunzip2`";
+    b"\xfd7zXZ\0" => "the file is compressed with xz", "decompress it with `unxz`";
+    b"\x28\xb5\x2f\xfd" => "the file is compressed with zstd", "decompress it with `unzstd`";
+    b"version https://git-lfs" =>
+        "the file is a Git LFS pointer, not the data", "fetch the data with `git lfs pull`";
+    b"/annex/objects/" =>
+        "the file is a git-annex pointer, not the data", "fetch the data with `git annex get`";
+    b"<!DOCTYPE html" =>
+        "the file is a web page, not the data", "download the data itself, such as the raw file";
+    b"<!doctype html" =>
+        "the file is a web page, not the data", "download the data itself, such as the raw file";
+    b"<html" =>
+        "the file is a web page, not the data", "download the data itself, such as the raw file";
+    b"\x89HDF" => "the file is HDF5",
+        "save its columns as CSV, or as a numpy array with `h5py` and `numpy.save`";
+    b"MATLAB 5.0 MAT-file" => "the file is a MAT-file of MATLAB",
+        "save the columns with `writematrix(…, \"points.csv\")`";
+    b"# vtk DataFile" => "the file is VTK", "save it as CSV or PLY in ParaView";
+    b"# .PCD" => "the file is PCD, of the Point Cloud Library", "save it as PLY";
+    b"LASF" => "the file is a LAS or LAZ cloud", "save it as PLY or CSV";
+    b"glTF" => "the file is glTF", "save it as PLY, OBJ or STL";
+    b"ITEM: TIMESTEP" => "the file is a LAMMPS dump",
+        "write atoms with `dump … xyz`, or the rows alone as CSV";
+    b"%PDF" => "the file is a PDF document", "save the data itself";
+    b"\x93NUMPY" in "npy" => "the file is a numpy array", "call it `.npy`";
+    b"PK\x03\x04" in "npz" => "the file is a zip archive, such as .npz or .xlsx",
+        "call arrays of numpy `.npz`; save a sheet of Excel as CSV";
+    b"ply\n" in "ply" => "the file is PLY", "call it `.ply`";
+    b"ply\r" in "ply" => "the file is PLY", "call it `.ply`";
+};
+
+const UTF_16: Foreign = STARTS[0].2;
+const MMCIF: Foreign = Foreign {
+    what: "the file is mmCIF, not PDB",
+    help: "download or save it in the PDB format",
+};
+const CR: Foreign = Foreign {
+    what: "the lines end with CR alone, as on old Macs",
+    help: "convert the file, such as by `tr '\\r' '\\n'`",
+};
 
 impl Foreign {
     /// Recognizes a file by its start, unless the format of its name reads such files.
@@ -154,14 +72,9 @@ impl Foreign {
         let (_, ending) = name.rsplit_once('.').unwrap_or_default();
         let has = |endings: &[&str]| endings.iter().any(|each| each.eq_ignore_ascii_case(ending));
         let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(start);
-        let mut known = STARTS.iter().filter(|(bytes, _)| text.starts_with(bytes));
-        if let Some((_, foreign)) = known.next() {
-            return Some(*foreign);
-        }
-        let mut own = OWN
-            .iter()
-            .filter(|(bytes, endings, _)| text.starts_with(bytes) && !has(endings));
-        if let Some((_, _, foreign)) = own.next() {
+        let is_it =
+            |(bytes, own, _): &&(&[u8], &[&str], Self)| text.starts_with(bytes) && !has(own);
+        if let Some((.., foreign)) = STARTS.iter().find(is_it) {
             return Some(*foreign);
         }
         if has(&["csv", "xyz", "pdb", "obj"]) && is_utf_16(start) {

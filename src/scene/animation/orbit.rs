@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::{
     scene::format::{
-        animation::orbit::OrbitModel,
+        animation::OrbitModel,
         camera::{CameraModel, Pose, UP},
         field::Triple,
     },

@@ -7,7 +7,6 @@ mod cuts;
 mod excerpt;
 mod files;
 mod folds;
-mod links;
 mod names;
 mod paths;
 mod sample;
@@ -23,8 +22,8 @@ use crate::{diagnostic::named::named, tracer::color::Color};
 
 pub use cuts::Cuts;
 pub use excerpt::{Elements, Excerpt};
+pub use files::FileLink;
 pub use folds::Fold;
-pub use links::FileLink;
 pub use names::{Name, NameKind};
 pub use symbols::{Symbol, SymbolKind};
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{
-    ColorPlace, Completions, FileLink, Fold, Hover, Name, Symbol, colors, complete, folds, links,
+    ColorPlace, Completions, FileLink, Fold, Hover, Name, Symbol, colors, complete, files, folds,
     names, spot::Finder, symbols,
 };
 use crate::{
@@ -73,7 +73,7 @@ impl Source {
 
     /// Returns the files that the scene names.
     pub fn links(&self, options: &ReadOptions) -> Vec<FileLink> {
-        links::links(&self.finder(), options)
+        files::links(&self.finder(), options)
     }
 
     /// Returns the name of a material, a camera, a light or a geometry that is written at an offset.

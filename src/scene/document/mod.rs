@@ -1,6 +1,5 @@
 //! A scene file with its text and its diagnostics.
 
-mod assist;
 mod parts;
 mod text;
 

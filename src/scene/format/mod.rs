@@ -29,7 +29,7 @@ pub(crate) mod variants;
 pub(crate) mod warning;
 
 pub use crate::scene::format::{
-    animation::{AnimationModel, Interpolation, Key, Track, TracksModel, orbit::OrbitModel},
+    animation::{AnimationModel, Interpolation, Key, OrbitModel, Track, TracksModel},
     camera::CameraModel,
     cameras::CamerasModel,
     color::ColorModel,

@@ -13,14 +13,14 @@
 //! track, has two or three elements.
 
 mod access;
-mod describe;
 mod elsewhere;
-mod entries;
 pub(crate) mod fix;
 mod foreign;
 pub(crate) mod nameless;
 mod reader;
 mod variant;
+
+pub(crate) use access::name_of;
 
 use std::{
     cell::RefCell,
@@ -31,8 +31,6 @@ use std::{
 
 use serde::Deserialize;
 
-pub(crate) use access::name_of;
-
 use crate::{
     diagnostic::{
         Code, Diagnostic,
@@ -42,7 +40,10 @@ use crate::{
         problem::{Tally, syntax_fault},
         recover::reader::{Reader, Value},
     },
-    text::syntax::{NodeId, Tree},
+    text::{
+        nearest::quote,
+        syntax::{NodeId, NodeKind, Syntax, Tree},
+    },
 };
 
 /// A model with stand-ins for everything that does not fit, and the faults.
@@ -206,11 +207,41 @@ impl<'a> Text<'a> {
     }
 
     fn wrong_type(self, id: NodeId, path: &Trail<'_>, expected: impl fmt::Display) -> Diagnostic {
-        let message = format!(
-            "expected {expected}, found {}",
-            describe::describe(self, id)
-        );
+        let message = format!("expected {expected}, found {}", describe(self, id));
         let range = self.tree.node(id).range();
         Diagnostic::new(Code::WrongType, range, message).with_path(path)
+    }
+}
+
+/// Describes a value, such as "the number `5`" or "a list of 2".
+fn describe(document: Text<'_>, id: NodeId) -> String {
+    let node = document.tree.node(id);
+    let source = quote(document.source(id));
+    let count = || document.tree.children(id).count();
+    let name = node.name().map(|range| quote(document.slice(range)));
+    match (node.kind(), name) {
+        (NodeKind::Null, _) => source,
+        (NodeKind::Bool(_), _) => format!("the boolean {source}"),
+        (NodeKind::Number, _) => format!("the number {source}"),
+        (NodeKind::String, _) => format!("the string {source}"),
+        (NodeKind::Char, _) => format!("the character {source}"),
+        (NodeKind::Bytes, _) => format!("the bytes {source}"),
+        (NodeKind::Name, _) => format!("the name {source}"),
+        (NodeKind::Unit, _) => "`()`".to_owned(),
+        (NodeKind::Tuple | NodeKind::Struct, Some(name)) => format!("{name} with a bracket"),
+        (NodeKind::Tuple, None) => format!("a tuple of {}", count()),
+        (NodeKind::List, _) => match document.tree.syntax() {
+            Syntax::Ron => format!("a list of {}", count()),
+            Syntax::Json => format!("an array of {}", count()),
+        },
+        (NodeKind::Struct, None) => "named fields".to_owned(),
+        (NodeKind::Map, _) => match document.tree.syntax() {
+            Syntax::Ron => "a map".to_owned(),
+            Syntax::Json => match document.tree.fields(id).count() {
+                1 => "an object with 1 key".to_owned(),
+                count => format!("an object with {count} keys"),
+            },
+        },
+        (NodeKind::Error, _) => "nothing".to_owned(),
     }
 }

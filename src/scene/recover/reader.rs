@@ -11,8 +11,7 @@ use crate::{
     },
     scene::recover::{
         NO_NUMBER, Text,
-        access::{Elements, Fields, fields, given_fields, stand_ins},
-        entries::entries,
+        access::{Elements, Fields, entries, fields, given_fields, stand_ins},
         fix::{Wants, respelt},
         foreign,
         variant::{Variant, has_fields},

@@ -2,7 +2,7 @@
 
 use std::{mem, ops::Range, slice};
 
-use super::{Setting, fill::fill, value::Value};
+use super::{Setting, Value, fill::fill};
 use crate::{
     diagnostic::{
         Code, Diagnostic,

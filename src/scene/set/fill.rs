@@ -4,7 +4,7 @@ use std::{borrow::Cow, ops::Range};
 
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::value::Value;
+use super::Value;
 use crate::{
     diagnostic::{
         Code, Diagnostic,

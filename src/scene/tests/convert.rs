@@ -7,7 +7,7 @@ use crate::{
     scene::{
         convert::{LostComments, convert},
         format::{
-            animation::{AnimationModel, Interpolation, Key, Track, orbit::OrbitModel},
+            animation::{AnimationModel, Interpolation, Key, OrbitModel, Track},
             camera::CameraModel,
             color::ColorModel,
             color_by::{ColorByModel, ColormapModel},

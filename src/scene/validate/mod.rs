@@ -13,7 +13,6 @@ mod material;
 mod names;
 mod solid;
 mod transform;
-mod values;
 mod visibility;
 
 use std::collections::HashSet;
@@ -34,10 +33,13 @@ use crate::{
         },
         framing::{Framing, Known, Subject},
         problem::{Focus, Problem, Tally},
-        surroundings::Surroundings,
         tables::Tables,
         unknown,
-        validate::{eye::is_glass, inward::Inward, material::both},
+        validate::{
+            eye::{Surroundings, is_glass},
+            inward::Inward,
+            material::both,
+        },
     },
 };
 

@@ -1,7 +1,5 @@
 //! The animation of a scene file.
 
-pub(crate) mod orbit;
-
 use std::{collections::HashSet, fmt, marker::PhantomData, sync::LazyLock};
 
 use serde::{
@@ -10,9 +8,9 @@ use serde::{
     ser::SerializeTuple,
 };
 
-use self::orbit::OrbitModel;
 use crate::scene::{
     format::{
+        camera::UP,
         color::ColorModel,
         field::{Field, FieldKind, Interval, Triple},
         map::{Entry, Map},
@@ -215,5 +213,19 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for KeyVisitor<T> {
             value: seq.next_element()?.ok_or_else(|| short(1))?,
             step: seq.next_element()?,
         })
+    }
+}
+
+object! {
+    /// A turn of all cameras about a line, at constant speed: what they look at stays in its place in
+    /// the picture, and a movie that repeats goes on without a jump.
+    pub struct OrbitModel = "Orbit" {
+        /// A point on the line, such as the one that the cameras look at.
+        around: Point,
+        /// The direction of the line; (0, 1, 0) is the default.
+        axis: Direction = UP,
+        /// The number of full turns in all frames; 1 is the default. Seen from where the axis points,
+        /// the cameras go counterclockwise, and clockwise where the number is negative.
+        turns: Number = 1.0,
     }
 }

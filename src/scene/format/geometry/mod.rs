@@ -4,7 +4,6 @@ pub(crate) mod capsule;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
-pub(crate) mod cylinders;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 mod faults;
@@ -19,7 +18,6 @@ pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod solid;
 pub(crate) mod sphere;
-pub(crate) mod spheres;
 pub(crate) mod table;
 pub(crate) mod triangle;
 
@@ -28,7 +26,6 @@ pub use self::{
     cone::ConeModel,
     cuboid::BoxModel,
     cylinder::CylinderModel,
-    cylinders::CylindersModel,
     disc::DiscModel,
     ellipsoid::EllipsoidModel,
     group::GroupModel,
@@ -39,7 +36,7 @@ pub use self::{
     rectangle::RectangleModel,
     solid::{DifferenceModel, IntersectionModel, UnionModel},
     sphere::SphereModel,
-    spheres::SpheresModel,
+    table::{CylindersModel, SpheresModel},
     triangle::TriangleModel,
 };
 
