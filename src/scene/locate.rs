@@ -298,7 +298,7 @@ pub(crate) fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
 }
 
 /// A node of a text, and its type if the format has one for it.
-type Typed = (NodeId, Option<Type>);
+pub(crate) type Typed = (NodeId, Option<Type>);
 
 /// Returns the content of a variant, and any other value itself: what tells a variant from a map.
 pub(crate) fn content(text: &str, tree: &Tree, (id, of_type): Typed) -> Typed {

@@ -9,11 +9,10 @@ use crate::{
         format::{
             cameras::fault_of_name,
             geometry::nesting::FIELD_NAMES,
-            material::NamedModel,
             scene::Model,
             thing::{Thing, Type},
         },
-        locate::body,
+        locate::{Typed, content},
         path::{self, PathPart},
     },
     text::{
@@ -45,8 +44,16 @@ impl NameKind {
     /// Returns the kind of the things in a field of the scene.
     fn of_field(name: &str) -> Option<Self> {
         match Model::of_type().value(name)? {
-            of_type @ (Type::List(..) | Type::Map(..)) => Self::of_name(&of_type.noun()),
+            of_type @ (Type::List(..) | Type::Map(..)) => Self::of_type(of_type),
             _ => None,
+        }
+    }
+
+    /// Returns the kind of the things that a type holds in the end.
+    fn of_type(of_type: Type) -> Option<Self> {
+        match &*of_type.noun() {
+            "solid" => Some(Self::Geometry),
+            noun => Self::of_name(noun),
         }
     }
 }
@@ -100,101 +107,88 @@ impl Name {
 
 /// Returns the name at an offset.
 pub(super) fn at(finder: &Finder, offset: usize) -> Option<Name> {
-    let tree = finder.tree;
-    let last = tree.node_before(offset)?;
-    let mut names = of_string(finder, last).into_iter();
-    names.find(|name| name.range.start <= offset && offset <= name.range.end)
+    let is_around = |range: &Range<usize>| range.start <= offset && offset <= range.end;
+    let mut names = Names::of(finder, &is_around).into_iter();
+    names.find(|name| is_around(&name.range))
 }
 
-/// Returns the name that a string of the text is, or those that it has in it.
-fn of_string(finder: &Finder, id: NodeId) -> Vec<Name> {
-    let tree = finder.tree;
-    if tree.node(id).kind() != NodeKind::String {
-        return Vec::new();
-    }
-    match whole(finder, id) {
-        Some(name) => vec![name],
-        None if is_path(finder, id) => in_path(finder, id),
-        None => Vec::new(),
-    }
+/// Returns all names, in the order of the text.
+pub(super) fn all(finder: &Finder) -> impl Iterator<Item = Name> {
+    Names::of(finder, &|_| true).into_iter()
 }
 
-/// Returns true if a string is the path of a track.
-fn is_path(finder: &Finder, id: NodeId) -> bool {
-    let parent = finder.tree.node(id).parent();
-    parent.is_some_and(|parent| {
-        let mut fields = finder.tree.fields(parent);
-        fields.any(|(key, _)| key == id)
-            && field_of(finder, parent).is_some_and(|field| field == "tracks")
-    })
+/// The names of a text, in its order.
+struct Names<'f, 'a> {
+    finder: &'f Finder<'a>,
+    /// Returns true for the ranges that are searched.
+    is_wanted: &'f dyn Fn(&Range<usize>) -> bool,
+    found: Vec<Name>,
 }
 
-/// Returns the name that a string is.
-fn whole(finder: &Finder, id: NodeId) -> Option<Name> {
-    let tree = finder.tree;
-    let parent = tree.node(id).parent()?;
-    if tree
-        .node(parent)
-        .name()
-        .is_some_and(|name| finder.at(name) == NamedModel::VARIANT)
-    {
-        return Some(plain(finder, id, NameKind::Material, None));
-    }
-    let (key, value) = tree
-        .fields(parent)
-        .find(|(key, value)| *key == id || *value == id)?;
-    if key == id {
-        let field = field_of(finder, parent)?;
-        let owner = tree.node(parent).parent();
-        return match NameKind::of_field(&field) {
-            Some(kind @ (NameKind::Material | NameKind::Camera)) if owner == tree.root() => {
-                let thing = tree.node(key).range().start..tree.node(value).range().end;
-                Some(plain(finder, id, kind, Some(thing)))
-            }
-            _ => None,
+impl<'f, 'a> Names<'f, 'a> {
+    fn of(finder: &'f Finder<'a>, is_wanted: &'f dyn Fn(&Range<usize>) -> bool) -> Vec<Name> {
+        let mut names = Self {
+            finder,
+            is_wanted,
+            found: Vec::new(),
         };
-    }
-    match &*finder.name(key) {
-        NamedModel::VARIANT => Some(plain(finder, id, NameKind::Material, None)),
-        "name" => {
-            let (kind, thing) = element(finder, parent)?;
-            Some(plain(finder, id, kind, Some(tree.node(thing).range())))
+        if let Some(root) = finder.tree.root() {
+            names.add((root, Some(Model::of_type())), None);
         }
-        // What instances are copies of.
-        "of" => {
-            let (kind, _) = element(finder, parent)?;
-            (kind == NameKind::Geometry).then(|| plain(finder, id, kind, None))
+        names.found
+    }
+
+    /// Adds the names in a value; `thing` is what the value is a field of, and its kind.
+    fn add(&mut self, (value, of_type): Typed, thing: Option<(NameKind, NodeId)>) {
+        let (finder, tree) = (self.finder, self.finder.tree);
+        let is_string = |id| tree.node(id).kind() == NodeKind::String;
+        if !(self.is_wanted)(&tree.node(value).range()) {
+            return;
         }
-        _ => None,
+        let own = of_type.and_then(|of_type| match of_type {
+            Type::OneOf(_) => Some((NameKind::of_type(of_type)?, value)),
+            _ => None,
+        });
+        let thing = own.or(thing);
+        let (inside, of_type) = content(finder.text, tree, (value, of_type));
+        match of_type {
+            Some(Type::Name) if is_string(inside) => {
+                self.found.extend(thing.map(|(kind, thing)| {
+                    plain(finder, inside, kind, Some(tree.node(thing).range()))
+                }))
+            }
+            Some(Type::NameOfMaterial) if is_string(inside) => {
+                self.found
+                    .push(plain(finder, inside, NameKind::Material, None));
+            }
+            Some(Type::NameOfGeometry) if is_string(inside) => {
+                self.found
+                    .push(plain(finder, inside, NameKind::Geometry, None));
+            }
+            Some(of_type @ (Type::List(..) | Type::Tuple(..))) => {
+                for item in tree.children(inside) {
+                    self.add((item, of_type.element()), thing);
+                }
+            }
+            Some(of_type) => {
+                for (key, value) in tree.fields(inside) {
+                    let whole = tree.node(key).range().start..tree.node(value).range().end;
+                    match of_type {
+                        _ if !(self.is_wanted)(&whole) => continue,
+                        Type::Map(..) if is_string(key) => {
+                            let kind = NameKind::of_type(of_type);
+                            let name = kind.map(|kind| plain(finder, key, kind, Some(whole)));
+                            self.found.extend(name);
+                        }
+                        Type::Tracks if is_string(key) => self.found.extend(in_path(finder, key)),
+                        _ => {}
+                    }
+                    self.add((value, of_type.value(&finder.name(key))), thing);
+                }
+            }
+            None => {}
+        }
     }
-}
-
-/// Returns the field that a value is of.
-fn field_of<'a>(finder: &Finder<'a>, value: NodeId) -> Option<std::borrow::Cow<'a, str>> {
-    let owner = finder.tree.node(value).parent()?;
-    let mut fields = finder.tree.fields(owner);
-    let (key, _) = fields.find(|(_, other)| *other == value)?;
-    Some(finder.name(key))
-}
-
-/// Returns the light or the geometry that has these fields, and its kind.
-fn element(finder: &Finder, fields: NodeId) -> Option<(NameKind, NodeId)> {
-    let tree = finder.tree;
-    let around = tree.node(fields).parent()?;
-    let thing = match body(tree, around) {
-        Some(inner) if inner == fields => around,
-        _ => fields,
-    };
-    let around = tree.node(thing).parent()?;
-    let is_in_list = tree.node(around).kind() == NodeKind::List;
-    let value = if is_in_list { around } else { thing };
-    let (field, owner) = (field_of(finder, value)?, tree.node(value).parent()?);
-    if Some(owner) != tree.root() {
-        let is_nested = FIELD_NAMES.contains(&&*field) && element(finder, owner).is_some();
-        return is_nested.then_some((NameKind::Geometry, thing));
-    }
-    let kind = NameKind::of_field(&field).filter(|_| is_in_list)?;
-    matches!(kind, NameKind::Light | NameKind::Geometry).then_some((kind, thing))
 }
 
 fn plain(finder: &Finder, id: NodeId, kind: NameKind, definition: Option<Range<usize>>) -> Name {
@@ -278,12 +272,6 @@ fn offset_in(token: &str, syntax: Syntax, offset: usize) -> usize {
     // Names are short.
     let found = (open..=most).find(|end| decoded(*end).is_some_and(|length| length >= offset));
     found.unwrap_or(most)
-}
-
-/// Returns all names, in the order of the text.
-pub(super) fn all(finder: &Finder) -> impl Iterator<Item = Name> {
-    let strings = finder.tree.ids();
-    strings.flat_map(|id| of_string(finder, id))
 }
 
 /// Returns the edits that rename a thing; `names` are all names of the text.

@@ -101,7 +101,11 @@ impl Type {
 
     /// Returns one of them by its name.
     pub(crate) fn variant(self, name: &str) -> Option<Variant> {
-        self.variants().into_iter().find(|one| one.name == name)
+        let is_it = |one: &Variant| one.name == name;
+        match self {
+            Self::OneOf(one_of) => one_of.variants.iter().copied().find(is_it),
+            _ => self.variants().into_iter().find(is_it),
+        }
     }
 
     /// Returns the type of the content of a variant; `None` for a word.
