@@ -211,6 +211,30 @@ impl Frames {
         }
     }
 
+    /// Calls `see` with the number of each frame, the scene as it is then, and the world in it, until it
+    /// returns false. A scene without frames is seen once.
+    pub(crate) fn each(
+        frames: Option<&Self>,
+        model: &Model,
+        mut see: impl FnMut(u32, &Model, &Model) -> bool,
+    ) {
+        let Some(frames) = frames else {
+            see(0, model, model);
+            return;
+        };
+        let mut shown = frames.copy(model);
+        for number in 0..frames.count() {
+            frames.show(number, &mut shown);
+            let world = match frames.move_the_world() {
+                true => &shown,
+                false => model,
+            };
+            if !see(number, &shown, world) {
+                return;
+            }
+        }
+    }
+
     /// Turns all cameras from their places in the file.
     fn orbit(&self, number: u32, model: &mut Model) {
         let (Some(orbit), Some((camera, cameras))) = (&self.animation.orbit, &self.cameras) else {
@@ -244,26 +268,20 @@ impl Frames {
 
 /// Writes the value of a track into its slot.
 fn write(track: &Track, time: f64, slot: Slot) {
-    match (track, slot) {
-        (Track::Numbers(keys), Slot::Number(slot)) => replace(slot, curve::number(keys, time)),
-        (Track::Scales(keys), Slot::Scale(slot)) => replace(slot, curve::scale(keys, time)),
-        (Track::Points(keys), Slot::Vector(slot)) => replace(slot, curve::point(keys, time)),
-        (Track::Directions(keys), Slot::Vector(slot)) => {
-            replace(slot, curve::direction(keys, time));
+    // The end of the path determines the kind, so the two match. Without keys the value stays.
+    let _ = match (track, slot) {
+        (Track::Numbers(keys), Slot::Number(to)) => curve::number(keys, time).map(|it| *to = it),
+        (Track::Scales(keys), Slot::Scale(to)) => curve::scale(keys, time).map(|it| *to = it),
+        (Track::Points(keys), Slot::Vector(to)) => curve::point(keys, time).map(|it| *to = it),
+        (Track::Directions(keys), Slot::Vector(to)) => {
+            curve::direction(keys, time).map(|it| *to = it)
         }
-        (Track::Intervals(keys), Slot::Interval(slot)) => {
-            replace(slot, curve::interval(keys, time));
+        (Track::Intervals(keys), Slot::Interval(to)) => {
+            curve::interval(keys, time).map(|it| *to = it)
         }
-        (Track::Colors(keys), Slot::Color(slot)) => replace(slot, curve::color(keys, time)),
-        // The end of the path determines the kind, so the two match.
-        _ => {}
-    }
-}
-
-fn replace<T>(slot: &mut T, value: Option<T>) {
-    if let Some(value) = value {
-        *slot = value;
-    }
+        (Track::Colors(keys), Slot::Color(to)) => curve::color(keys, time).map(|it| *to = it),
+        _ => None,
+    };
 }
 
 /// Returns the leaves of a scene that are some geometries, are in them, or hold them, in ascending

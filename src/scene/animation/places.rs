@@ -12,7 +12,7 @@ use super::{
     target::{Aspect, Target},
 };
 use crate::scene::format::{
-    animation::{Interpolation, Key, Track},
+    animation::{Interpolation, Track},
     field::FieldKind,
     geometry::GeometryModel,
     scene::Model,
@@ -73,13 +73,13 @@ impl Frames {
         for tracks in movers.values() {
             let is_straight = self.copies_nothing() && go_straight(model, tracks);
             for (_, track) in tracks {
-                let times = times(track);
-                ranges.extend(times.iter().map(|key| near(key.time)));
+                let times = track.times();
+                ranges.extend(times.iter().map(|(time, _)| near(*time)));
                 for pair in times.windows(2).filter(|_| !is_straight) {
-                    if let [from, to] = pair
-                        && !to.is_step
+                    if let [(from, _), (to, step)] = pair
+                        && *step != Interpolation::Step
                     {
-                        ranges.push(near(from.time).start..near(to.time).end);
+                        ranges.push(near(*from).start..near(*to).end);
                     }
                 }
             }
@@ -88,41 +88,14 @@ impl Frames {
     }
 }
 
-/// The time of a key, and true if the value jumps there.
-struct Time {
-    time: f64,
-    is_step: bool,
-}
-
-fn times(track: &Track) -> Vec<Time> {
-    fn of<T>(keys: &[Key<T>]) -> Vec<Time> {
-        let keys = keys.iter().map(|key| Time {
-            time: key.time,
-            is_step: key.step == Some(Interpolation::Step),
-        });
-        keys.collect()
-    }
-    match track {
-        Track::Numbers(keys) => of(keys),
-        Track::Scales(keys) => of(keys),
-        Track::Points(keys) | Track::Directions(keys) => of(keys),
-        Track::Intervals(keys) => of(keys),
-        Track::Colors(keys) => of(keys),
-        Track::Unknown => Vec::new(),
-    }
-}
-
 /// Returns true if each point of what these tracks move goes straight from key to key: if they are
 /// of one thing, and go along straight lines or are a single number.
 fn go_straight(model: &Model, tracks: &[(&Target, &Track)]) -> bool {
-    fn is_smooth<T>(keys: &[Key<T>]) -> bool {
-        let mut keys = keys.iter();
-        keys.any(|key| key.step == Some(Interpolation::Smooth))
-    }
     let bends = |track: &Track| match track {
-        Track::Numbers(keys) => is_smooth(keys),
-        Track::Scales(keys) => is_smooth(keys),
-        Track::Points(keys) => is_smooth(keys),
+        Track::Numbers(_) | Track::Scales(_) | Track::Points(_) => {
+            let mut times = track.times().into_iter();
+            times.any(|(_, step)| step == Interpolation::Smooth)
+        }
         _ => true,
     };
     let is_number = |track: &Track| match track {

@@ -60,6 +60,11 @@ pub enum ScaleModel {
 #[serde(transparent)]
 pub struct MatrixModel(pub [[f64; 4]; 3]);
 
+impl MatrixModel {
+    /// What is expected where one is read, as messages say it.
+    pub(crate) const EXPECTED: &str = "three rows of four numbers";
+}
+
 impl TransformModel {
     /// Builds the transform.
     pub(crate) fn build(&self) -> Result<Transform, GeometryError> {
@@ -76,6 +81,9 @@ impl TransformModel {
 }
 
 impl ScaleModel {
+    /// What is expected where one is read, as messages say it.
+    pub(crate) const EXPECTED: &str = "a number or three numbers";
+
     /// Returns the factors along x, y and z.
     pub(crate) fn factors(&self) -> DVec3 {
         match self {
@@ -106,7 +114,7 @@ impl<'de> Deserialize<'de> for ScaleModel {
             type Value = ScaleModel;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or three numbers")
+                f.write_str(ScaleModel::EXPECTED)
             }
 
             fn visit_f64<E>(self, factor: f64) -> Result<ScaleModel, E> {
@@ -138,7 +146,7 @@ impl<'de> Deserialize<'de> for MatrixModel {
             type Value = MatrixModel;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("three rows of four numbers")
+                f.write_str(MatrixModel::EXPECTED)
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<MatrixModel, A::Error> {

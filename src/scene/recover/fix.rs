@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{
     diagnostic::Fix,
-    scene::recover::Text,
+    scene::recover::{Text, nameless::is_known},
     text::{
         edit::Edit,
         syntax::{NodeId, NodeKind, Syntax, Tree, float, string},
@@ -111,7 +111,6 @@ pub(super) fn alone(document: Text<'_>, id: NodeId) -> Option<Fix> {
 /// Returns true if a value is a variant with content.
 fn is_variant(document: Text<'_>, id: NodeId) -> bool {
     let tree = document.tree;
-    let is_capital = |name: &str| name.starts_with(|first: char| first.is_ascii_uppercase());
     match (tree.syntax(), tree.node(id).kind()) {
         (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
             tree.node(id).name().is_some()
@@ -119,7 +118,7 @@ fn is_variant(document: Text<'_>, id: NodeId) -> bool {
         (Syntax::Json, NodeKind::Map) => {
             let mut fields = tree.fields(id);
             let first = fields.next().filter(|_| fields.next().is_none());
-            first.is_some_and(|(key, _)| is_capital(document.source(key).trim_matches('"')))
+            first.is_some_and(|(key, _)| is_known(document.source(key).trim_matches('"')))
         }
         _ => false,
     }

@@ -7,10 +7,10 @@
 //! and variants.
 //!
 //! Four conventions of the model make this possible. An optional field is an `Option`. Two types are
-//! read by `deserialize_any`: the color, which is a string or three numbers, and the scale, whose
-//! expectation begins with "a number", which is one or three numbers. A tuple holds numbers, except
-//! for the matrix, whose expectation begins with "three rows". And the only tuple struct, the key of a
-//! track, has two or three elements.
+//! read by `deserialize_any`: the color, which is a string or three numbers, and the scale, which is one
+//! or three numbers and tells itself by what it expects. A tuple holds numbers, except for the matrix,
+//! which tells itself in the same way. And the only tuple struct, the key of a track, has two or three
+//! elements.
 
 mod access;
 mod elsewhere;

@@ -133,6 +133,11 @@ fn objects(variant: &str) -> impl Iterator<Item = &'static Object> {
     })
 }
 
+/// Returns true for the name of an object that is one of several.
+pub(super) fn is_known(variant: &str) -> bool {
+    objects(variant).next().is_some()
+}
+
 /// Adds everything inside of a type that is one of several, each once.
 fn add(of_type: Type, found: &mut Vec<&'static OneOf>) {
     let of_type = of_type.innermost();

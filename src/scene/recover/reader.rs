@@ -9,21 +9,24 @@ use crate::{
         Code, Diagnostic,
         path::{Step, Trail},
     },
-    scene::recover::{
-        NO_NUMBER, Text,
-        access::{Elements, Fields, entries, fields, given_fields, stand_ins},
-        fix::{Wants, respelt},
-        foreign,
-        variant::{Variant, has_fields},
+    scene::{
+        format::{
+            thing::{Thing, Type},
+            transform::{MatrixModel, RotateModel, ScaleModel},
+        },
+        recover::{
+            NO_NUMBER, Text,
+            access::{Elements, Fields, entries, fields, given_fields, stand_ins},
+            fix::{Wants, respelt},
+            foreign,
+            variant::{Variant, has_fields},
+        },
     },
     text::{
         nearest::quote,
         syntax::{NodeId, NodeKind, NumberError, Syntax, float, name, string, whole},
     },
 };
-
-/// The fields of a rotation.
-const ROTATION: [&str; 2] = ["axis", "angle"];
 
 /// The source of a value.
 pub(super) enum Value {
@@ -292,7 +295,7 @@ impl<'a> Reader<'a, '_> {
                             convert it";
                 diagnostic.help = Some(json.to_owned());
             }
-            if known == ROTATION
+            if matches!(RotateModel::of_type(), Type::Object(object, _) if object.name == struct_name)
                 && let Some((help, fix)) = foreign::rotation(document, id)
             {
                 diagnostic = diagnostic.with_help(help).with_fix(fix);
@@ -353,7 +356,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         /// Number of channels in a color, and of axes.
         const LENGTH: usize = 3;
         let expected = (&visitor as &dyn Expected).to_string();
-        if expected.starts_with("a number") {
+        if expected == ScaleModel::EXPECTED {
             return match self.value {
                 Value::Node(id) if self.kind(id) == NodeKind::Number => {
                     visitor.visit_f64(self.float())
@@ -418,7 +421,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     ) -> Result<V::Value, Fault> {
         let own = (&visitor as &dyn Expected).to_string();
         let expected = match self.syntax() {
-            _ if own.starts_with("three rows") => own,
+            _ if own == MatrixModel::EXPECTED => own,
             Syntax::Ron => format!("{length} numbers in round brackets"),
             Syntax::Json => format!("an array of {length} numbers"),
         };

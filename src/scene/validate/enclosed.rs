@@ -48,6 +48,7 @@ enum Solid {
 }
 
 /// The points in which the rays of a camera begin: an eye and those up to a distance around it.
+#[derive(Clone, Copy)]
 struct Eye {
     point: DVec3,
     reach: f64,
@@ -154,7 +155,13 @@ pub(super) fn enclosed(
 
 /// Returns the eyes of all cameras in all frames; `None` if a camera is invalid, or if they are too many.
 fn eyes(model: &Model, frames: Option<&Frames>, framing: &Framing) -> Option<Vec<Eye>> {
-    let of_frame = |cameras: &Model, number: u32| {
+    let cameras = model.all_cameras().count();
+    let is_long = |frames: &Frames| cameras.saturating_mul(frames.count() as usize) > MOST_EYES;
+    if frames.is_some_and(is_long) {
+        return None;
+    }
+    let mut all = Some(Vec::new());
+    Frames::each(frames, model, |number, cameras, _| {
         let eyes = cameras.all_cameras().map(|(_, camera)| {
             let size @ (width, height) = cameras.sides();
             let camera = framing.build(camera, size, number).ok()?;
@@ -169,27 +176,9 @@ fn eyes(model: &Model, frames: Option<&Frames>, framing: &Framing) -> Option<Vec
             let reach = away.into_iter().fold(0.0, f64::max);
             Some(Eye { point, reach })
         });
-        eyes.collect::<Option<Vec<_>>>()
-    };
-    let Some(frames) = frames else {
-        return of_frame(model, 0);
-    };
-    if model
-        .all_cameras()
-        .count()
-        .saturating_mul(frames.count() as usize)
-        > MOST_EYES
-    {
-        return None;
-    }
-    let mut shown = frames.copy(model);
-    let mut eyes = Vec::new();
-    for number in 0..frames.count() {
-        if framing.is_cancelled() {
-            return None;
-        }
-        frames.show(number, &mut shown);
-        eyes.extend(of_frame(&shown, number)?);
-    }
-    Some(eyes)
+        let eyes = eyes.collect::<Option<Vec<_>>>();
+        all = all.take().zip(eyes).map(|(all, eyes)| [all, eyes].concat());
+        all.is_some() && !framing.is_cancelled()
+    });
+    all
 }

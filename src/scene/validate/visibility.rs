@@ -63,10 +63,7 @@ impl Found {
             (1, Some(_)) => "the camera in every frame",
             (_, Some(_)) => "every camera in every frame",
         };
-        let unseen = match frames {
-            None => unseen((model, 0), framing, model, tables, |_| true),
-            Some(frames) => unseen_by_frames(model, tables, frames, framing),
-        };
+        let unseen = unseen(model, tables, frames, framing);
         for (at, plane) in hidden_in_planes(model, frames, framing) {
             let message = "this geometry lies in a plane before it in the list, which hides it";
             let problem = Problem::new(Code::NeverVisible, model.path_of(at), Focus::Name, message);
@@ -167,64 +164,51 @@ fn is_same(one: &Plane, other: &Plane) -> bool {
 /// The maximum number of tests of a geometry against a camera at a frame.
 const MOST_WORK: usize = 10_000_000;
 
-/// Returns the leaves of a world that are wanted and that no camera of a scene can see at a frame, in
-/// ascending order; `None` if a camera is invalid.
+/// Returns the geometries that no camera can see at any frame, in ascending order; `None` if a camera is
+/// invalid, or if the search would take too long.
 fn unseen(
-    (cameras, number): (&Model, u32),
-    framing: &Framing,
-    world: &Model,
-    tables: &Tables,
-    mut is_wanted: impl FnMut(Ordinal) -> bool,
-) -> Option<Vec<Ordinal>> {
-    let views = cameras.all_cameras();
-    let views = views.map(|(_, camera)| {
-        let size = cameras.sides();
-        ViewSpace::of(&framing.build(camera, size, number).ok()?, size)
-    });
-    let views = views.collect::<Option<Vec<_>>>()?;
-    let is_unseen = |leaf: &Leaf| {
-        !framing.is_cancelled()
-            && is_wanted(leaf.at)
-            && views.iter().all(|view| view.certainly_misses(leaf, tables))
-    };
-    let unseen = world.leaves().filter(is_unseen);
-    Some(unseen.map(|leaf| leaf.at).collect())
-}
-
-/// Returns the geometries that no camera can see at any frame; `None` if the search would take too
-/// long.
-fn unseen_by_frames(
     model: &Model,
     tables: &Tables,
-    frames: &Frames,
+    frames: Option<&Frames>,
     framing: &Framing,
 ) -> Option<Vec<Ordinal>> {
-    let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
-    let work = (model.leaves().count() + more) * model.all_cameras().count();
-    let work = work + frames.targets().count();
-    if work.saturating_mul(frames.count() as usize) > MOST_WORK {
-        return None;
+    if let Some(frames) = frames {
+        let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
+        let work = (model.leaves().count() + more) * model.all_cameras().count();
+        let work = work + frames.targets().count();
+        if work.saturating_mul(frames.count() as usize) > MOST_WORK {
+            return None;
+        }
     }
     // The rows of a table may change their size with its `radius`, and a part its place.
-    let moves = |at: &Ordinal| tables.has(*at) && frames.move_leaf(model, *at);
+    let moves = |frames: &Frames, at| tables.has(at) && frames.move_leaf(model, at);
+    let stays = |at: &Ordinal| !frames.is_some_and(|frames| moves(frames, *at));
     let all = model.leaves().map(|leaf| leaf.at);
-    let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
-    let mut shown = frames.copy(model);
-    for number in 0..frames.count() {
-        if left.is_empty() || framing.is_cancelled() {
-            break;
-        }
-        frames.show(number, &mut shown);
-        let world = if frames.move_the_world() {
-            &shown
-        } else {
-            model
-        };
-        let mut ordered = left.iter().peekable();
-        let is_left = |at| ordered.next_if_eq(&&at).is_some();
-        left = unseen((&shown, number), framing, world, tables, is_left)?;
-    }
-    Some(left)
+    // Without frames, all are looked at once.
+    let mut left = Some(match frames {
+        None => Vec::new(),
+        Some(_) => all.filter(stays).collect(),
+    });
+    Frames::each(frames, model, |number, cameras, world| {
+        let views = cameras.all_cameras().map(|(_, camera)| {
+            let size = cameras.sides();
+            ViewSpace::of(&framing.build(camera, size, number).ok()?, size)
+        });
+        let views = views.collect::<Option<Vec<_>>>();
+        left = left.take().zip(views).map(|(left, views)| {
+            let mut ordered = left.iter().peekable();
+            let is_unseen = |leaf: &Leaf| {
+                let is_left = frames.is_none() || ordered.next_if_eq(&&leaf.at).is_some();
+                is_left
+                    && !framing.is_cancelled()
+                    && views.iter().all(|view| view.certainly_misses(leaf, tables))
+            };
+            let unseen = world.leaves().filter(is_unseen);
+            unseen.map(|leaf| leaf.at).collect()
+        });
+        left.as_ref().is_some_and(|left| !left.is_empty()) && !framing.is_cancelled()
+    });
+    left
 }
 
 /// A camera with its name, if it has one.
@@ -238,39 +222,28 @@ fn blind<'a>(
     frames: Option<&Frames>,
     cancel: Option<&Cancel>,
 ) -> Vec<Named<'a>> {
+    // The rows of a table may change their size with its `radius`, and a part its place.
+    let moves = |frames: &Frames| {
+        let mut contents = tables.contents();
+        contents.any(|(at, _)| frames.move_leaf(model, at))
+    };
+    if frames.is_some_and(moves) {
+        return Vec::new();
+    }
     let mut blind: Vec<(usize, Named)> = model.all_cameras().enumerate().collect();
     let mut left = MOST_WORK;
-    match frames {
-        None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
-        Some(frames) => {
-            // The rows of a table may change their size with its `radius`, and a part its place.
-            let moves = |(at, _)| frames.move_leaf(model, at);
-            if tables.contents().any(moves) {
-                return Vec::new();
-            }
-            let mut shown = frames.copy(model);
-            for number in 0..frames.count() {
-                left = left.saturating_sub(frames.targets().count());
-                if left == 0 || cancel.is_some_and(Cancel::is_cancelled) {
-                    return Vec::new();
-                }
-                if blind.is_empty() {
-                    break;
-                }
-                frames.show(number, &mut shown);
-                let world = if frames.move_the_world() {
-                    &shown
-                } else {
-                    model
-                };
-                let cameras: Vec<_> = shown.all_cameras().map(|(_, camera)| camera).collect();
-                blind.retain(|(index, _)| {
-                    let camera = cameras.get(*index);
-                    camera.is_some_and(|camera| is_blind(camera, &shown, world, tables, &mut left))
-                });
-            }
+    Frames::each(frames, model, |_, shown, world| {
+        left = left.saturating_sub(frames.map_or(0, |frames| frames.targets().count()));
+        if left == 0 || frames.is_some() && cancel.is_some_and(Cancel::is_cancelled) {
+            blind.clear();
         }
-    }
+        let cameras: Vec<_> = shown.all_cameras().map(|(_, camera)| camera).collect();
+        blind.retain(|(index, _)| {
+            let camera = cameras.get(*index);
+            camera.is_some_and(|camera| is_blind(camera, shown, world, tables, &mut left))
+        });
+        !blind.is_empty()
+    });
     blind.into_iter().map(|(_, camera)| camera).collect()
 }
 

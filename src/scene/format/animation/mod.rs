@@ -68,6 +68,28 @@ pub enum Track {
     Unknown,
 }
 
+/// Evaluates an expression for the keys of a track, and another for a track of nothing.
+macro_rules! of_keys {
+    ($track:expr, $keys:ident => $value:expr, _ => $other:expr) => {
+        match $track {
+            Track::Numbers($keys) => $value,
+            Track::Scales($keys) => $value,
+            Track::Points($keys) | Track::Directions($keys) => $value,
+            Track::Intervals($keys) => $value,
+            Track::Colors($keys) => $value,
+            Track::Unknown => $other,
+        }
+    };
+}
+
+impl Track {
+    /// Returns the time of each key, and how its value is reached.
+    pub(crate) fn times(&self) -> Vec<(f64, Interpolation)> {
+        let time = |time, step: Option<Interpolation>| (time, step.unwrap_or_default());
+        of_keys!(self, keys => keys.iter().map(|key| time(key.time, key.step)).collect(), _ => Vec::new())
+    }
+}
+
 /// A value at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key<T> {
@@ -166,14 +188,7 @@ impl<'de> Entry<'de> for Track {
 
 impl Serialize for Track {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Numbers(keys) => keys.serialize(serializer),
-            Self::Scales(keys) => keys.serialize(serializer),
-            Self::Points(keys) | Self::Directions(keys) => keys.serialize(serializer),
-            Self::Intervals(keys) => keys.serialize(serializer),
-            Self::Colors(keys) => keys.serialize(serializer),
-            Self::Unknown => serializer.collect_seq([(); 0]),
-        }
+        of_keys!(self, keys => keys.serialize(serializer), _ => serializer.collect_seq([(); 0]))
     }
 }
 
