@@ -198,43 +198,35 @@ impl<'a> Locator<'a> {
             .flat_map(|(_, list)| self.tree.children(list));
         let mut found = Vec::new();
         for (index, (node, geometry)) in nodes.zip(&model.geometries).enumerate() {
-            self.add_stand_ins(node, geometry, &mut index.into(), &mut found);
+            self.add_stand_ins(node, geometry, index.into(), &mut found);
         }
         found
     }
 
-    /// Adds the numbers of a geometry and those inside of it that are replaced. `at` is its number,
-    /// and afterwards that of the last one inside of it.
+    /// Adds the numbers of a geometry and those inside of it that are replaced.
     fn add_stand_ins(
         &self,
         node: NodeId,
         geometry: &GeometryModel,
-        at: &mut Ordinal,
+        at: Ordinal,
         found: &mut Vec<Ordinal>,
     ) {
-        let last = at.inner + geometry.total() - 1;
         if self.is_replaced(node) {
-            found.push(*at);
-            at.inner = last;
+            found.push(at);
             return;
         }
-        for inside in geometry.inside() {
-            let fields = body(self.tree, node).unwrap_or(node);
-            let value = self.field(fields, inside.field).map(|(_, value)| value);
-            let mut nodes = value.into_iter().flat_map(|value| match inside.is_list {
-                true => self.tree.children(value).collect(),
-                false => vec![value],
+        let fields = body(self.tree, node).unwrap_or(node);
+        for child in geometry.children() {
+            let at = at.inside(child.number);
+            let value = self.field(fields, child.inside.field);
+            let node = value.and_then(|(_, value)| match child.inside.is_list {
+                true => self.element(value, &Step::Index(child.index)),
+                false => Some(value),
             });
-            for geometry in inside.geometries {
-                at.inner += 1;
-                match nodes.next() {
-                    Some(node) => self.add_stand_ins(node, geometry, at, found),
-                    None => {
-                        // The field is missing.
-                        found.push(*at);
-                        at.inner += geometry.total() - 1;
-                    }
-                }
+            match node {
+                Some(node) => self.add_stand_ins(node, child.geometry, at, found),
+                // The field is missing.
+                None => found.push(at),
             }
         }
     }

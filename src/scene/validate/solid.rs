@@ -5,12 +5,9 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{
-                GeometryModel,
-                nesting::{Inside, Ordinal},
-                placement::Placement,
-            },
+            geometry::{GeometryModel, nesting::Ordinal, placement::Placement, solid::SOLIDS},
             scene::Model,
+            thing::Thing,
         },
         problem::{Focus, Problem},
     },
@@ -26,22 +23,14 @@ impl Found {
     #[inline(never)]
     pub(super) fn solid(&mut self, solid: &GeometryModel, at: Ordinal, model: &Model) {
         let path = model.path_of(at);
-        let mut inner = at.inner + 1;
-        for Inside {
-            field, geometries, ..
-        } in solid.inside()
-        {
-            if geometries.is_empty() {
-                let message = format!("`{field}` has no solids, expected at least 1");
-                let place = path.field(field);
-                let problem = Problem::new(Code::WrongType, place, Focus::Value, message);
-                self.push(problem.help(WHAT_IS_SOLID));
-            }
-            for geometry in geometries {
-                let at = Ordinal { inner, ..at };
-                inner += geometry.total();
-                self.operand(geometry, at, model);
-            }
+        for inside in solid.inside().filter(|inside| inside.geometries.is_empty()) {
+            let field = inside.field;
+            let message = format!("`{field}` has no solids, expected at least 1");
+            let problem = Problem::new(Code::WrongType, path.field(field), Focus::Value, message);
+            self.push(problem.help(WHAT_IS_SOLID));
+        }
+        for child in solid.children() {
+            self.operand(child.geometry, at.inside(child.number), model);
         }
     }
 
@@ -53,10 +42,8 @@ impl Found {
         model: &Model,
         around: &Placement,
     ) {
-        let mut inner = at.inner + 1;
-        for operand in solid.inside().flat_map(|inside| inside.geometries) {
-            let at = Ordinal { inner, ..at };
-            inner += operand.total();
+        for child in solid.children() {
+            let (operand, at) = (child.geometry, at.inside(child.number));
             let placement = around.within(operand.transform());
             match placement.transform() {
                 Ok(_) => self.operands(operand, at, model, &placement),
@@ -118,38 +105,21 @@ impl Found {
 }
 
 /// Returns the kind of a geometry in words, if it is not a solid, open or closed.
-const fn no_solid(geometry: &GeometryModel) -> Option<&'static str> {
+fn no_solid(geometry: &GeometryModel) -> Option<String> {
+    let name = geometry.variant().filter(|name| !SOLIDS.contains(name))?;
     Some(match geometry {
-        GeometryModel::Plane(_)
-        | GeometryModel::Sphere(_)
-        | GeometryModel::Box(_)
-        | GeometryModel::Cylinder(_)
-        | GeometryModel::Cone(_)
-        | GeometryModel::Capsule(_)
-        | GeometryModel::Ellipsoid(_)
-        | GeometryModel::Group(_)
-        | GeometryModel::Union(_)
-        | GeometryModel::Intersection(_)
-        | GeometryModel::Difference(_) => return None,
-        GeometryModel::Disc(_) => "a disc",
-        GeometryModel::Rectangle(_) => "a rectangle",
-        GeometryModel::Triangle(_) => "a triangle",
-        GeometryModel::Mesh(_) => "a mesh",
-        GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table",
-        GeometryModel::Part(_) => "a part",
-        GeometryModel::Instances(_) => "a list of instances",
+        GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table".to_owned(),
+        GeometryModel::Instances(_) => "a list of instances".to_owned(),
+        _ => format!("a {}", name.to_ascii_lowercase()),
     })
 }
 
 /// Returns true if each part of a solid has a surface, its own or one of a solid around it. One that is
 /// missing or is not a solid has a fault of its own.
 pub(super) fn is_covered(solid: &GeometryModel, at: Ordinal, stand_ins: &StandIns) -> bool {
-    let mut inner = at.inner + 1;
-    let mut operands = solid.inside().flat_map(|inside| inside.geometries);
     solid.surface().is_given()
-        || operands.all(|operand| {
-            let at = Ordinal { inner, ..at };
-            inner += operand.total();
+        || solid.children().all(|child| {
+            let (operand, at) = (child.geometry, at.inside(child.number));
             stand_ins.has(at)
                 || no_solid(operand).is_some()
                 || operand.surface().is_given()

@@ -31,6 +31,16 @@ impl From<usize> for Ordinal {
     }
 }
 
+impl Ordinal {
+    /// Returns the number of a geometry inside of this one, by its number there.
+    pub(crate) const fn inside(self, number: usize) -> Self {
+        Self {
+            inner: self.inner + number,
+            ..self
+        }
+    }
+}
+
 /// The geometries in a field of another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inside<'m> {
@@ -60,7 +70,7 @@ impl<'m> Inside<'m> {
     }
 
     /// The steps from the geometry around it to one of those in the field.
-    fn steps(&self, index: usize) -> impl Iterator<Item = Step> {
+    fn steps(&self, index: usize) -> impl Iterator<Item = Step> + use<> {
         let index = self.is_list.then_some(Step::Index(index));
         [Step::Field(self.field.into())].into_iter().chain(index)
     }
@@ -95,31 +105,65 @@ impl GeometryModel {
         is_it(self) || inside.any(|geometry| geometry.any_inside(is_it))
     }
 
-    /// Returns the way to a geometry inside of this one, by its number: for each step the field's
-    /// number, the field, and the index of the geometry in it.
-    fn way(&self, mut number: usize) -> Option<Vec<(usize, Inside<'_>, usize)>> {
-        let mut way = Vec::new();
-        let mut around = self;
+    /// Returns the geometries in its fields, in the order of the file.
+    pub(crate) fn children(&self) -> impl Iterator<Item = Child<'_>> {
+        let mut end = 1;
+        let fields = self.inside().enumerate();
+        let all = fields.flat_map(|(place, inside)| {
+            let geometries = inside.geometries.iter().enumerate();
+            geometries.map(move |(index, geometry)| (place, inside, index, geometry))
+        });
+        all.map(move |(place, inside, index, geometry)| {
+            let number = end;
+            end += geometry.total();
+            Child {
+                place,
+                inside,
+                index,
+                geometry,
+                number,
+                end,
+            }
+        })
+    }
+
+    /// Returns the geometries that lead to one inside of this one, by its number, which is the last.
+    fn line(&self, mut number: usize) -> Option<Vec<Child<'_>>> {
+        let mut line: Vec<Child> = Vec::new();
         while number > 0 {
-            number -= 1;
-            let fields = around.inside().enumerate();
-            let mut all = fields.flat_map(|(field, inside)| {
-                let geometries = inside.geometries.iter().enumerate();
-                geometries.map(move |(index, geometry)| ((field, inside, index), geometry))
-            });
-            let found = all.find(|(_, geometry)| {
-                let total = geometry.total();
-                let is_in = number < total;
-                if !is_in {
-                    number -= total;
-                }
-                is_in
-            });
-            let (step, geometry) = found?;
-            way.push(step);
-            around = geometry;
+            let around = line.last().map_or(self, |child| child.geometry);
+            let child = around.children().find(|child| number < child.end)?;
+            number -= child.number;
+            line.push(child);
         }
-        Some(way)
+        Some(line)
+    }
+}
+
+/// A geometry in a field of another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Child<'m> {
+    /// The number of the field.
+    place: usize,
+    pub(crate) inside: Inside<'m>,
+    /// The index in the field.
+    pub(crate) index: usize,
+    pub(crate) geometry: &'m GeometryModel,
+    /// Its number among the geometries inside of the other.
+    pub(crate) number: usize,
+    /// The number behind those inside of it.
+    end: usize,
+}
+
+impl Child<'_> {
+    /// Returns the number of the steps that lead to it, if these do.
+    fn is_on(&self, steps: &[Step]) -> Option<usize> {
+        let count = match (self.inside.is_list, steps.get(1)) {
+            (false, _) => 1,
+            (true, Some(Step::Index(index))) if *index == self.index => 2,
+            (true, _) => return None,
+        };
+        (steps.first()?.name() == Some(self.inside.field)).then_some(count)
     }
 }
 
@@ -149,8 +193,8 @@ impl Model {
     pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
         let mut geometry = self.geometries.get(at.index)?;
         let mut placement = Placement::default().within(geometry.transform());
-        for (_, inside, index) in geometry.way(at.inner)? {
-            geometry = inside.geometries.get(index)?;
+        for child in geometry.line(at.inner)? {
+            geometry = child.geometry;
             placement = placement.within(geometry.transform());
         }
         Some(Leaf {
@@ -180,9 +224,11 @@ impl Model {
     /// Returns true if a geometry is one of those that a solid consists of.
     pub(crate) fn is_operand(&self, at: Ordinal) -> bool {
         let whole = self.geometries.get(at.index).filter(|_| at.inner > 0);
-        let way = whole.and_then(|whole| whole.way(at.inner));
-        let fields = way.into_iter().flatten().map(|(_, inside, _)| inside.field);
-        fields.into_iter().any(|field| field != Self::LONG)
+        let mut line = whole
+            .and_then(|whole| whole.line(at.inner))
+            .into_iter()
+            .flatten();
+        line.any(|child| child.inside.field != Self::LONG)
     }
 
     /// Returns a geometry by its number.
@@ -191,8 +237,7 @@ impl Model {
         if at.inner == 0 {
             return Some(whole);
         }
-        let (_, inside, index) = whole.way(at.inner)?.pop()?;
-        inside.geometries.get(index)
+        Some(whole.line(at.inner)?.pop()?.geometry)
     }
 
     /// Returns a geometry by its number, writable.
@@ -201,10 +246,12 @@ impl Model {
         if at.inner == 0 {
             return Some(found);
         }
-        let way = found.way(at.inner)?.into_iter();
-        let way: Vec<_> = way.map(|(field, _, index)| (field, index)).collect();
-        for (field, index) in way {
-            found = found.inside_mut().nth(field)?.get_mut(index)?;
+        let line = found.line(at.inner)?.into_iter();
+        for (place, index) in line
+            .map(|child| (child.place, child.index))
+            .collect::<Vec<_>>()
+        {
+            found = found.inside_mut().nth(place)?.get_mut(index)?;
         }
         Some(found)
     }
@@ -222,9 +269,9 @@ impl Model {
     pub(crate) fn path_of(&self, at: Ordinal) -> Path {
         let path = Path::ROOT.field(Self::LONG).index(at.index);
         let whole = self.geometries.get(at.index).filter(|_| at.inner > 0);
-        let way = whole.and_then(|whole| whole.way(at.inner));
-        let steps = way.into_iter().flatten();
-        let steps = steps.flat_map(|(_, inside, index)| inside.steps(index).collect::<Vec<_>>());
+        let line = whole.and_then(|whole| whole.line(at.inner));
+        let steps = line.into_iter().flatten();
+        let steps = steps.flat_map(|child| child.inside.steps(child.index));
         path.join(&steps.collect::<Vec<_>>())
     }
 
@@ -233,9 +280,8 @@ impl Model {
         let Some(whole) = self.geometries.get(at.index) else {
             return Vec::new();
         };
-        let way = whole.way(at.inner).into_iter().flatten();
-        let inside = way.filter_map(|(_, inside, index)| inside.geometries.get(index));
-        let all = [whole].into_iter().chain(inside);
+        let line = whole.line(at.inner).into_iter().flatten();
+        let all = [whole].into_iter().chain(line.map(|child| child.geometry));
         all.filter_map(GeometryModel::transform).collect()
     }
 
@@ -250,37 +296,15 @@ impl Model {
         }
         let (mut at, mut steps) = (Ordinal::from(*index), 2);
         let mut around = self.geometries.get(*index)?;
-        while let Some((number, geometry, more)) = around.step(path.get(steps..)?) {
-            at.inner += number;
+        while let Some((more, child)) = around.children().find_map(|child| {
+            let more = child.is_on(path.get(steps..)?)?;
+            Some((more, child))
+        }) {
+            at.inner += child.number;
             steps += more;
-            around = geometry;
+            around = child.geometry;
         }
         Some((at, steps))
-    }
-}
-
-impl GeometryModel {
-    /// Returns the geometry inside of this one that steps lead to, its number, and the number of the
-    /// steps.
-    fn step(&self, steps: &[Step]) -> Option<(usize, &Self, usize)> {
-        let name = steps.first()?.name()?;
-        let mut number = 1;
-        for inside in self.inside() {
-            if inside.field != name {
-                number += inside.geometries.iter().map(Self::total).sum::<usize>();
-                continue;
-            }
-            let index = match steps.get(1) {
-                _ if !inside.is_list => 0,
-                Some(Step::Index(index)) => *index,
-                _ => return None,
-            };
-            let before = inside.geometries.get(..index)?.iter();
-            number += before.map(Self::total).sum::<usize>();
-            let geometry = inside.geometries.get(index)?;
-            return Some((number, geometry, 1 + usize::from(inside.is_list)));
-        }
-        None
     }
 }
 
