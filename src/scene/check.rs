@@ -20,7 +20,7 @@ use crate::{
         locate::Locator,
         meshes, nested,
         options::ReadOptions,
-        part::{Needs, Nest},
+        part::{Needs, PartCache},
         problem::{Focus, Problem, Tally},
         read::{self, LARGE},
         recognize::Recognizer,
@@ -132,7 +132,7 @@ impl CheckedModel {
             has_copies |= matches!(geometry, GeometryModel::Instances(_));
         }
         let is_wanted = is_known && has_files;
-        let nest = LazyCell::new(|| Nest::of(options));
+        let cache = LazyCell::new(|| PartCache::of(options));
         let (mut tables, mut needs, mut found) = Default::default();
         if let Some(folder) = options.tables().filter(|_| is_wanted) {
             watch.time(Stage::Read, || {
@@ -141,13 +141,13 @@ impl CheckedModel {
                 tables = read;
                 found.extend(problems);
                 let (of_parts, problems) =
-                    nested::read(&model, &mut tables, &folder, options, &nest);
+                    nested::read(&model, &mut tables, &folder, options, &cache);
                 needs = of_parts;
                 found.extend(problems);
             });
         }
         if has_copies {
-            found.extend(nested::add_copies(&model, &mut tables, &nest));
+            found.extend(nested::add_copies(&model, &mut tables, &cache));
         }
         if is_wanted {
             let files = model.walk().filter_map(|(_, geometry)| geometry.file());
@@ -157,7 +157,7 @@ impl CheckedModel {
         let aspects = Aspects {
             levels: &options.levels,
             is_part: options.is_part
-                && (options.nest.is_some() || model.all_cameras().next().is_none()),
+                && (options.cache.is_some() || model.all_cameras().next().is_none()),
             files_have_errors: found.iter().any(Problem::is_error),
             cancel: options.canceller(),
         };

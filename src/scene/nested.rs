@@ -20,7 +20,7 @@ use crate::{
         },
         loaded::Loaded,
         options::ReadOptions,
-        part::{File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
+        part::{Chain, File, Needs, Part, PartCache, PartFile, PartFindings, PartLight, Places},
         place::Place,
         problem::{Focus, Problem},
         tables::{MOST, Tables},
@@ -46,13 +46,13 @@ pub(super) fn read(
     tables: &mut Tables,
     folder: &Folder<'_>,
     options: &ReadOptions,
-    nest: &Nest,
+    cache: &PartCache,
 ) -> (Needs, Vec<Problem>) {
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let mut reader = Reader {
         folder,
         options,
-        nest: nest.clone(),
+        cache: cache.clone(),
         needs: Needs::default(),
         total: model.leaves().count().saturating_add(rows),
     };
@@ -95,10 +95,10 @@ pub(super) fn read(
 
 /// Adds the copies that a scene holds to its tables and parts, and returns the problems: copies of
 /// copies would take any time, so those of all files count together.
-pub(super) fn add_copies(model: &Model, tables: &mut Tables, nest: &Nest) -> Vec<Problem> {
+pub(super) fn add_copies(model: &Model, tables: &mut Tables, cache: &PartCache) -> Vec<Problem> {
     let mut problems = Vec::new();
     build::add_copies(model, tables, |at, count| {
-        let all = nest.add_copies(count, 0).geometries;
+        let all = cache.add_copies(count, 0).geometries;
         // Only the first that are too many are reported.
         if all > MOST_COPIES && all.saturating_sub(count) <= MOST_COPIES {
             let message = too_many("these", all, "copies of geometries", MOST_COPIES);
@@ -118,7 +118,7 @@ fn too_many(named: &str, found: usize, what: &str, most: usize) -> String {
 struct Reader<'a> {
     folder: &'a Folder<'a>,
     options: &'a ReadOptions,
-    nest: Nest,
+    cache: PartCache,
     needs: Needs,
     /// The number of geometries so far.
     total: usize,
@@ -150,33 +150,33 @@ impl Reader<'_> {
             path,
         };
         if let Some(start) = self.position(&file) {
-            let way = vec![file];
-            let problem = self.ring(start, &way, place);
-            self.leads_back(way);
+            let chain = vec![file];
+            let problem = self.ring(start, &chain, place);
+            self.leads_back(chain);
             return Err(problem);
         }
-        let known = self.nest.find(&file);
+        let known = self.cache.find(&file);
         let is_copy = known.is_some();
         let read = match known {
             Some(read) => read,
-            None if self.nest.way.len() > DEEPEST => return Err(too_deep(place)),
+            None if self.cache.chain.len() > DEEPEST => return Err(too_deep(place)),
             None => {
                 let read = Arc::new(self.read(&file, syntax, place)?);
-                self.nest.keep(&file, &read);
+                self.cache.keep(&file, &read);
                 read
             }
         };
         self.needs.add_part(&read);
         let mut ring = None;
-        for way in &read.needs.ways_back {
-            if let Some(start) = way.last().and_then(|file| self.position(file)) {
-                ring.get_or_insert_with(|| self.ring(start, way, place));
-                self.leads_back(way.clone());
+        for chain in &read.needs.chains_back {
+            if let Some(start) = chain.last().and_then(|file| self.position(file)) {
+                ring.get_or_insert_with(|| self.ring(start, chain, place));
+                self.leads_back(chain.clone());
             }
         }
         match (ring, &read.part) {
             (Some(ring), _) => Err(ring),
-            (None, Some(_)) if self.nest.way.len() + read.needs.depth > DEEPEST => {
+            (None, Some(_)) if self.cache.chain.len() + read.needs.depth > DEEPEST => {
                 Err(too_deep(place))
             }
             (None, Some(part)) => {
@@ -196,16 +196,16 @@ impl Reader<'_> {
         found.unwrap_or_else(|_| path.parent().unwrap_or(path).to_owned())
     }
 
-    /// Returns the place of a file on the way from the scene to the current file.
+    /// Returns the place of a file on the chain from the scene to the current file.
     fn position(&self, file: &File) -> Option<usize> {
-        let mut way = self.nest.way.iter();
-        way.position(|known| known.path == file.path)
+        let mut chain = self.cache.chain.iter();
+        chain.position(|known| known.path == file.path)
     }
 
-    /// Returns the problem of a ring: `way` leads from the current file to the one at `start` on the
-    /// way to the current file.
-    fn ring(&self, start: usize, way: &Way, place: &Place) -> Problem {
-        let ring = self.nest.way.iter().skip(start).chain(way);
+    /// Returns the problem of a ring: `chain` leads from the current file to the one at `start` on the
+    /// chain to the current file.
+    fn ring(&self, start: usize, chain: &Chain, place: &Place) -> Problem {
+        let ring = self.cache.chain.iter().skip(start).chain(chain);
         let ring: Vec<_> = ring.map(|file| quote(&file.written)).collect();
         let message = format!("a part of itself: {}", ring.join(" → "));
         let problem = Problem::new(
@@ -218,14 +218,14 @@ impl Reader<'_> {
     }
 
     /// Notes that the current file leads back to a file before it.
-    fn leads_back(&mut self, mut way: Way) {
-        let (Some(current), Some(last)) = (self.nest.way.last(), way.last()) else {
+    fn leads_back(&mut self, mut chain: Chain) {
+        let (Some(current), Some(last)) = (self.cache.chain.last(), chain.last()) else {
             return;
         };
-        let leads_there = |known: &Way| known.last().is_some_and(|file| file.path == last.path);
-        if current.path != last.path && !self.needs.ways_back.iter().any(leads_there) {
-            way.insert(0, current.clone());
-            self.needs.ways_back.push(way);
+        let leads_there = |known: &Chain| known.last().is_some_and(|file| file.path == last.path);
+        if current.path != last.path && !self.needs.chains_back.iter().any(leads_there) {
+            chain.insert(0, current.clone());
+            self.needs.chains_back.push(chain);
         }
     }
 
@@ -234,7 +234,7 @@ impl Reader<'_> {
         let opened = self.folder.open_found(&file.path);
         let (content, length) = opened.map_err(|refused| place.refused(refused))?;
         let path = PathBuf::from(&*file.name);
-        let options = self.options.of_part(&path, self.nest.inside(file.clone()));
+        let options = self.options.of_part(&path, self.cache.inside(file.clone()));
         let timings = Timings::new();
         let watch = timings.watch();
         let loaded = Loaded::from_content(content, Some(length), syntax, &options, &watch);
@@ -255,7 +255,7 @@ impl Reader<'_> {
     ) -> Result<(), Problem> {
         self.total = self.total.saturating_add(part.count());
         let lights = part.lights.as_ref().filter(|_| shines).map_or(0, Vec::len);
-        let copies = copy.map(|is_placed| self.nest.add_copies(part.total(is_placed), lights));
+        let copies = copy.map(|is_placed| self.cache.add_copies(part.total(is_placed), lights));
         let copies = copies.unwrap_or_default();
         for (what, found, most) in [
             ("geometries", self.total, MOST),
@@ -271,10 +271,10 @@ impl Reader<'_> {
     }
 }
 
-impl Nest {
-    /// Returns the nest of a scene: that of the scene that names it as a part, or one of its own.
+impl PartCache {
+    /// Returns the cache of a scene: that of the scene that names it as a part, or one of its own.
     pub(super) fn of(options: &ReadOptions) -> Self {
-        options.nest.clone().unwrap_or_else(|| {
+        options.cache.clone().unwrap_or_else(|| {
             let file = options.file.as_deref().unwrap_or(FilePath::new(""));
             let found = options.all_files().resolve(file);
             Self::default().inside(File {

@@ -12,7 +12,7 @@ use crate::{
     scene::{
         additions::Additions,
         files::{Disk, Files, Folder, without_detours},
-        part::Nest,
+        part::PartCache,
         read::LARGE,
         set::Setting,
     },
@@ -48,7 +48,7 @@ pub struct ReadOptions {
     pub(crate) file: Option<PathBuf>,
     pub(crate) is_part: bool,
     /// The reading that the file belongs to as a part; `None` for the scene itself.
-    pub(crate) nest: Option<Nest>,
+    pub(crate) cache: Option<PartCache>,
     outside: bool,
     without_tables: bool,
     without_text: bool,
@@ -154,11 +154,11 @@ impl ReadOptions {
     }
 
     /// Returns the options for a part that the scene names.
-    pub(crate) fn of_part(&self, path: &Path, nest: Nest) -> Self {
+    pub(crate) fn of_part(&self, path: &Path, cache: PartCache) -> Self {
         let options = Self {
             syntax: None,
             is_part: true,
-            nest: Some(nest),
+            cache: Some(cache),
             ..self.with(Vec::new())
         };
         options.of_file(path)

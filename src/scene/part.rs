@@ -162,7 +162,7 @@ impl PartFindings {
     }
 }
 
-/// A file on the way from a scene to its parts.
+/// A file on the chain from a scene to its parts.
 #[derive(Clone, Debug)]
 pub(crate) struct File {
     /// The canonical path; empty for a text that is not a file.
@@ -182,7 +182,7 @@ impl File {
 }
 
 /// Files of which each names the next as a part.
-pub(crate) type Way = Vec<File>;
+pub(crate) type Chain = Vec<File>;
 
 /// The result of reading the file of a part.
 #[derive(Debug)]
@@ -204,7 +204,7 @@ pub(crate) struct Needs {
     pub(crate) depth: usize,
     /// The ways from the scene back to a file that names it, directly or through others: one to
     /// each such file.
-    pub(crate) ways_back: Vec<Way>,
+    pub(crate) chains_back: Vec<Chain>,
 }
 
 impl Needs {
@@ -229,9 +229,9 @@ impl Needs {
 
 /// The reading of a scene and its parts, which reads each file once.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Nest {
+pub(crate) struct PartCache {
     /// The files from the scene to the one that is being read.
-    pub(crate) way: Way,
+    pub(crate) chain: Chain,
     known: Arc<Mutex<KnownParts>>,
     copies: Arc<Mutex<Copies>>,
 }
@@ -247,11 +247,11 @@ pub(crate) struct Copies {
 /// others where a link to it lies in another folder.
 type KnownParts = BTreeMap<[PathBuf; 2], Arc<PartFile>>;
 
-impl Nest {
-    /// Returns the nest for a file that the current one names.
+impl PartCache {
+    /// Returns the cache for a file that the current one names.
     pub(crate) fn inside(&self, file: File) -> Self {
         let mut inside = self.clone();
-        inside.way.push(file);
+        inside.chain.push(file);
         inside
     }
 

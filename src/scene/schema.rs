@@ -157,7 +157,7 @@ impl Printer {
             FieldKind::Color => return self.defined("Color", |_| color()),
             FieldKind::Scale => return self.defined("Scale", |_| scale()),
             FieldKind::Point => numbers(3),
-            FieldKind::Direction | FieldKind::Way => {
+            FieldKind::Direction | FieldKind::Edge => {
                 let mut node = numbers(3);
                 node["not"] = json!({"const": [0, 0, 0]});
                 node

@@ -122,7 +122,7 @@ fn object(of_type: Type, vector: impl Fn([i8; 3]) -> String, syntax: Syntax) -> 
     // Those that are always required come first, in the order of the manual.
     let place = |field: &Field| of_type.fields().position(|other| other.name == field.name);
     needed.sort_by_key(|(_, field)| (!field.is_required, place(field)));
-    let is_direction = |kind| kind == FieldKind::Direction || kind == FieldKind::Way;
+    let is_direction = |kind| kind == FieldKind::Direction || kind == FieldKind::Edge;
     let directions = needed.iter().filter(|(_, field)| is_direction(field.kind));
     // Not a box without a size, nor edges along one line.
     let directions = if directions.count() > 1 {

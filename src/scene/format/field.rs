@@ -21,122 +21,112 @@ pub type Interval = [f64; 2];
 /// The name of a geometry. Few have one: a box in a box takes the least memory where there is none.
 pub type Name = Box<Box<str>>;
 
-/// The kind of a field, which determines its valid values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FieldKind {
-    /// A finite number.
+/// What a field of some kind holds.
+#[derive(Clone, Copy)]
+enum Content {
     Number,
+    /// A whole number, which cannot change over time.
+    Count,
+    /// A point or a direction.
+    Vector,
+    /// One or several numbers, or a color.
+    Several,
+    Nothing,
+}
+
+/// Defines the kinds of fields: what each holds, and the valid range of its numbers.
+macro_rules! kinds {
+    ($($(#[$docs:meta])* $kind:ident $({ $of:ident: $type:ty })?: $content:ident $(in $range:expr)?,)*) => {
+        /// The kind of a field, which determines its valid values.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum FieldKind {
+            $($(#[$docs])* $kind $({ $of: $type })?),*
+        }
+
+        impl FieldKind {
+            const fn content(self) -> Content {
+                match self {
+                    $(Self::$kind $({ $of: _ })? => Content::$content),*
+                }
+            }
+
+            /// Returns the valid range of its numbers.
+            #[inline]
+            pub(crate) const fn range(self) -> Option<Range> {
+                match self {
+                    $(Self::$kind $({ $of })? => kinds!(@range $($range)?)),*
+                }
+            }
+        }
+    };
+    (@range) => { None };
+    (@range $range:expr) => { Some($range) };
+}
+
+kinds! {
+    /// A finite number.
+    Number: Number,
     /// A number above 0.
-    Positive,
+    Positive: Number in Range::Above(0),
     /// An angle in degrees, above 0 and below 180.
-    Angle,
+    Angle: Number in Range::Degrees(0, 180),
     /// A whole number from 1.
-    Count { most: u32 },
+    Count { most: u32 }: Count in Range::From(1, most),
     /// The number of reflections and refractions of a ray.
-    Depth,
+    Depth: Count in Range::From(0, 64),
     /// The intensity of a light.
-    Intensity,
+    Intensity: Number in Range::Within(0.0, BRIGHTEST),
     /// A part of a whole, in 0..=1.
-    Fraction,
+    Fraction: Number in Range::Within(0.0, 1.0),
     /// The exponent of a highlight.
-    Exponent,
+    Exponent: Number in Range::AboveUpTo(0, SHARPEST),
     /// An index of refraction.
-    Refraction,
+    Refraction: Number in Range::Within(INDICES[0], INDICES[1]),
     /// An exposure in stops.
-    Stops,
+    Stops: Number in Range::Within(-64.0, 64.0),
     /// The width of a line in pixels.
-    Width,
+    Width: Number in Range::AboveUpTo(0, 100.0),
     /// A number of at least 0.
-    Distance,
+    Distance: Number in Range::AtLeast(0),
     /// An angle in degrees, 0 to 180.
-    Turn,
+    Turn: Number in Range::Within(0.0, 180.0),
     /// The free part of a side, on either end of it.
-    Margin,
+    Margin: Number in Range::FromToBelow(0, 0.5),
     /// A factor of all lengths, or three along x, y and z.
-    Scale,
+    Scale: Several,
     /// A point: three finite numbers.
-    Point,
-    /// The way from one point to another: three finite numbers, not all 0.
-    Way,
+    Point: Vector,
+    /// The vector from one point to another: three finite numbers, not all 0.
+    Edge: Vector,
     /// A direction: three finite numbers with a length.
-    Direction,
+    Direction: Vector,
     /// A range of numbers, from the smaller to the larger.
-    Interval,
+    Interval: Several,
     /// A color.
-    Color,
+    Color: Several,
     /// Anything else, which no number can set and no track can change.
-    Fixed,
+    Fixed: Nothing,
 }
 
 impl FieldKind {
     /// Returns true if a field of this kind is a single number.
     pub(crate) const fn is_number(self) -> bool {
-        match self {
-            Self::Number
-            | Self::Positive
-            | Self::Angle
-            | Self::Intensity
-            | Self::Fraction
-            | Self::Exponent
-            | Self::Refraction
-            | Self::Stops
-            | Self::Width
-            | Self::Distance
-            | Self::Turn
-            | Self::Margin => true,
-            Self::Count { .. }
-            | Self::Depth
-            | Self::Scale
-            | Self::Point
-            | Self::Way
-            | Self::Direction
-            | Self::Interval
-            | Self::Color
-            | Self::Fixed => false,
-        }
+        matches!(self.content(), Content::Number)
     }
 
     /// Returns true if a field of this kind is a point or a direction.
     pub(crate) const fn is_vector(self) -> bool {
-        matches!(self, Self::Point | Self::Way | Self::Direction)
+        matches!(self.content(), Content::Vector)
     }
 
     /// Returns true if a field of this kind has numbers that can change alone.
     pub(crate) const fn has_elements(self) -> bool {
-        self.changes() && !self.is_number()
+        matches!(self.content(), Content::Vector | Content::Several)
     }
 
     /// Returns true if a field of this kind can change over time.
     pub(crate) const fn changes(self) -> bool {
-        !matches!(self, Self::Count { .. } | Self::Depth | Self::Fixed)
-    }
-
-    /// Returns the valid range of its numbers.
-    #[inline]
-    pub(crate) const fn range(self) -> Option<Range> {
-        match self {
-            Self::Positive => Some(Range::Above(0)),
-            Self::Angle => Some(Range::Degrees(0, 180)),
-            Self::Count { most } => Some(Range::From(1, most)),
-            Self::Depth => Some(Range::From(0, 64)),
-            Self::Intensity => Some(Range::Within(0.0, BRIGHTEST)),
-            Self::Fraction => Some(Range::Within(0.0, 1.0)),
-            Self::Exponent => Some(Range::AboveUpTo(0, SHARPEST)),
-            Self::Refraction => Some(Range::Within(INDICES[0], INDICES[1])),
-            Self::Stops => Some(Range::Within(-64.0, 64.0)),
-            Self::Width => Some(Range::AboveUpTo(0, 100.0)),
-            Self::Distance => Some(Range::AtLeast(0)),
-            Self::Turn => Some(Range::Within(0.0, 180.0)),
-            Self::Margin => Some(Range::FromToBelow(0, 0.5)),
-            Self::Number
-            | Self::Scale
-            | Self::Point
-            | Self::Way
-            | Self::Direction
-            | Self::Interval
-            | Self::Color
-            | Self::Fixed => None,
-        }
+        !matches!(self.content(), Content::Count | Content::Nothing)
     }
 }
 

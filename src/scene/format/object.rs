@@ -271,7 +271,7 @@ macro_rules! object {
     (@given required $kind:ident [$type:ty]) => { $type };
     (@given required Point []) => { $crate::scene::format::field::Triple };
     (@given required Direction []) => { $crate::scene::format::field::Triple };
-    (@given required Way []) => { $crate::scene::format::field::Triple };
+    (@given required Edge []) => { $crate::scene::format::field::Triple };
     (@given required Interval []) => { $crate::scene::format::field::Interval };
     (@given required Scale []) => { $crate::scene::format::transform::ScaleModel };
     (@given required Color []) => { $crate::scene::format::color::ColorModel };

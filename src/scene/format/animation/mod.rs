@@ -177,7 +177,7 @@ impl<'de> Entry<'de> for Track {
             Some(None) => map.next_value().map(Self::Numbers),
             Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
             Some(Some(FieldKind::Scale)) => map.next_value().map(Self::Scales),
-            Some(Some(FieldKind::Point | FieldKind::Way)) => map.next_value().map(Self::Points),
+            Some(Some(FieldKind::Point | FieldKind::Edge)) => map.next_value().map(Self::Points),
             Some(Some(FieldKind::Direction)) => map.next_value().map(Self::Directions),
             Some(Some(FieldKind::Interval)) => map.next_value().map(Self::Intervals),
             Some(Some(FieldKind::Color)) => map.next_value().map(Self::Colors),

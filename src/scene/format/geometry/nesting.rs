@@ -340,7 +340,7 @@ impl Leaf<'_> {
 pub(crate) struct Walk<'m> {
     list: Enumerate<slice::Iter<'m, GeometryModel>>,
     /// The rest of what is inside of the last geometry of the list.
-    inside: Option<Box<Way<'m>>>,
+    inside: Option<Box<Descent<'m>>>,
 }
 
 impl<'m> Walk<'m> {
@@ -357,8 +357,8 @@ impl<'m> Iterator for Walk<'m> {
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        if let Some(way) = self.inside.take() {
-            let (next, rest) = way.next_inside();
+        if let Some(descent) = self.inside.take() {
+            let (next, rest) = descent.next_inside();
             self.inside = rest;
             if next.is_some() {
                 return next;
@@ -366,7 +366,7 @@ impl<'m> Iterator for Walk<'m> {
         }
         let (index, geometry) = self.list.next()?;
         if !geometry.is_single() {
-            self.inside = Some(Way::into(geometry, index));
+            self.inside = Some(Descent::into(geometry, index));
         }
         Some((index.into(), geometry))
     }
@@ -382,8 +382,8 @@ impl<'m> Iterator for Leaves<'m> {
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            if let Some(way) = self.0.inside.take() {
-                let (next, rest) = way.next_leaf();
+            if let Some(descent) = self.0.inside.take() {
+                let (next, rest) = descent.next_leaf();
                 self.0.inside = rest;
                 if next.is_some() {
                     return next;
@@ -397,14 +397,14 @@ impl<'m> Iterator for Leaves<'m> {
                     placement: Placement::default().within(geometry.transform()),
                 });
             }
-            self.0.inside = Some(Way::into(geometry, index));
+            self.0.inside = Some(Descent::into(geometry, index));
         }
     }
 }
 
-/// The way through what is inside of a geometry.
+/// The descent through what is inside of a geometry.
 #[derive(Clone, Debug)]
-struct Way<'m> {
+struct Descent<'m> {
     levels: Vec<Level<'m>>,
     at: Ordinal,
 }
@@ -416,18 +416,18 @@ struct Level<'m> {
     placement: Placement,
 }
 
-/// What comes next on a way, and the rest of the way.
-type Next<'m, T> = (Option<T>, Option<Box<Way<'m>>>);
+/// What comes next in a descent, and the rest of it.
+type Next<'m, T> = (Option<T>, Option<Box<Descent<'m>>>);
 
-impl<'m> Way<'m> {
+impl<'m> Descent<'m> {
     #[cold]
     fn into(geometry: &'m GeometryModel, index: usize) -> Box<Self> {
-        let mut way = Self {
+        let mut descent = Self {
             levels: Vec::new(),
             at: index.into(),
         };
-        way.enter(geometry);
-        Box::new(way)
+        descent.enter(geometry);
+        Box::new(descent)
     }
 
     /// Steps into a geometry.

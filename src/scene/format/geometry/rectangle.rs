@@ -24,9 +24,9 @@ colored! {
         /// A corner.
         corner: Point,
         /// The edge from the corner to one of its neighbors.
-        edge_u | u: Way,
+        edge_u | u: Edge,
         /// The edge from the corner to the other neighbor.
-        edge_v | v: Way,
+        edge_v | v: Edge,
     }
 }
 
