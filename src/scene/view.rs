@@ -7,7 +7,7 @@ use crate::{
     film::size::Size,
     scene::{
         format::geometry::{nesting::Leaf, placement::Placement},
-        tables::Tables,
+        tables::{Content, Tables},
     },
     tracer::{
         camera::Camera,
@@ -122,13 +122,10 @@ impl ViewSpace {
     pub(crate) fn certainly_misses(&self, leaf: &Leaf, tables: &Tables) -> bool {
         match leaf.shape() {
             Some(shape) => self.misses(&shape),
-            None => match (tables.part(leaf.at), tables.of(leaf.at)) {
-                (Some(_), _) => !tables.any_shape(leaf, |shape| !self.misses(shape)),
-                (_, Some(table)) => self.misses_table(table, &leaf.placement),
-                (None, None) => {
-                    tables.instances(leaf.at).is_some()
-                        && !tables.any_shape(leaf, |shape| !self.misses(shape))
-                }
+            None => match tables.get(leaf.at) {
+                None => false,
+                Some(Content::Table(table, _)) => self.misses_table(table, &leaf.placement),
+                Some(_) => !tables.any_shape(leaf, |shape| !self.misses(shape)),
             },
         }
     }

@@ -19,7 +19,7 @@ use crate::{
         },
         options::ReadOptions,
     },
-    text::syntax::{NodeId, NodeKind, Syntax},
+    text::syntax::{NodeKind, Syntax},
 };
 
 /// The list of the definitions of materials.
@@ -100,11 +100,8 @@ fn whole(syntax: Syntax) -> Completion {
         Syntax::Json => format!("{{\n{}\n}}\n", fields.trim_end().trim_end_matches(',')),
     };
     Completion {
-        label: "scene".to_owned(),
-        insert,
-        kind: CompletionKind::Value,
         detail: "a camera and a list of geometries".to_owned(),
-        docs: scene.docs().to_owned(),
+        ..item("scene", insert, CompletionKind::Value, scene.docs())
     }
 }
 
@@ -120,28 +117,24 @@ fn keys(
     };
     let fields = fields(owner).into_iter();
     let fields = fields.filter(|(_, field)| is_new(field.name));
-    let fields = fields.map(|(_, field)| Completion {
-        label: field.name.to_owned(),
-        insert: written(field.name),
-        kind: CompletionKind::Field,
-        detail: words_of_field(field),
-        docs: field.docs.to_owned(),
+    let fields = fields.map(|(_, field)| {
+        let (name, kind) = (field.name, CompletionKind::Field);
+        Completion {
+            detail: words_of_field(field),
+            ..item(name, written(name), kind, field.docs)
+        }
     });
     let mut items: Vec<_> = fields.collect();
     // The location of the schema is written by programs.
     items.sort_by_key(|item| item.label.starts_with('$'));
     let variants = owner.variants().into_iter().filter_map(|variant| {
         let content = sample(owner.content(&variant)?, syntax);
-        Some(Completion {
-            label: variant.name.to_owned(),
-            insert: match has_colon {
-                true => written(variant.name),
-                false => written(variant.name) + &content,
-            },
-            kind: CompletionKind::Variant,
-            detail: String::new(),
-            docs: variant.docs.to_owned(),
-        })
+        let insert = match has_colon {
+            true => written(variant.name),
+            false => written(variant.name) + &content,
+        };
+        let kind = CompletionKind::Variant;
+        Some(item(variant.name, insert, kind, variant.docs))
     });
     items.extend(variants);
     items
@@ -155,41 +148,24 @@ fn values(finder: &Finder, value: Type) -> Vec<Completion> {
         let more = PALETTE.iter().copied().filter(is_new);
         let more: Vec<_> = more.map(|color| format!("\"{color}\"")).collect();
         colors.extend(more);
-        let colors = colors.into_iter();
-        return colors
-            .map(|color| {
-                item(
-                    color.trim_matches('"'),
-                    color.clone(),
-                    CompletionKind::Color,
-                    "",
-                )
-            })
-            .collect();
+        let colors = colors.into_iter().map(|color| {
+            let label = color.trim_matches('"').to_owned();
+            item(&label, color, CompletionKind::Color, "")
+        });
+        return colors.collect();
     }
     let variants = value.variants();
     if !variants.is_empty() {
-        let variants = variants.into_iter();
-        return variants
-            .map(|one| {
-                item(
-                    one.name,
-                    sample_of(value, &one, syntax),
-                    CompletionKind::Variant,
-                    one.docs,
-                )
-            })
-            .collect();
+        let variants = variants.into_iter().map(|one| {
+            let sample = sample_of(value, &one, syntax);
+            item(one.name, sample, CompletionKind::Variant, one.docs)
+        });
+        return variants.collect();
     }
     match value {
         Type::Object(..) => {
-            let sample = sample(value, syntax);
-            vec![item(
-                &sample.clone(),
-                sample,
-                CompletionKind::Value,
-                value.docs(),
-            )]
+            let (label, kind) = (sample(value, syntax), CompletionKind::Value);
+            vec![item(&label, label.clone(), kind, value.docs())]
         }
         _ => Vec::new(),
     }
@@ -202,7 +178,7 @@ fn flags(docs: &str) -> Vec<Completion> {
 }
 
 /// Returns a completion without details.
-fn item(label: &str, insert: String, kind: CompletionKind, docs: &str) -> Completion {
+pub(super) fn item(label: &str, insert: String, kind: CompletionKind, docs: &str) -> Completion {
     Completion {
         label: label.to_owned(),
         insert,
@@ -233,12 +209,8 @@ fn used_colors(finder: &Finder) -> Vec<String> {
 
 /// Returns the names of the scene's materials.
 fn materials(finder: &Finder) -> Vec<Completion> {
-    let field = |owner: NodeId, name: &str| {
-        let mut fields = finder.tree.fields(owner);
-        let found = fields.find(|(key, _)| finder.name(*key) == name);
-        found.map(|(_, value)| value)
-    };
-    let materials = finder.tree.root().and_then(|root| field(root, MATERIALS));
+    let root = finder.tree.root();
+    let materials = root.and_then(|root| finder.field(root, MATERIALS));
     let materials = materials
         .into_iter()
         .flat_map(|list| finder.tree.fields(list));
@@ -258,11 +230,8 @@ fn geometries(finder: &Finder) -> Vec<Completion> {
 /// Returns the name of a thing of the scene.
 fn of_scene(name: String, kind: NameKind) -> Completion {
     Completion {
-        insert: format!("{name:?}"),
-        label: name,
-        kind: CompletionKind::Name,
         detail: format!("{} of the scene", kind.name()),
-        docs: String::new(),
+        ..item(&name, format!("{name:?}"), CompletionKind::Name, "")
     }
 }
 

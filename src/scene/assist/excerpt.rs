@@ -57,9 +57,8 @@ impl Elements {
     pub fn new(source: &Source) -> Self {
         let (text, tree) = (source.text(), source.tree());
         let finder = Finder { text, tree };
-        let mut fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
-        let list = fields.find(|(key, _)| finder.name(*key) == Model::LONG);
-        let items = list.into_iter().flat_map(|(_, list)| tree.children(list));
+        let list = tree.root().and_then(|root| finder.field(root, Model::LONG));
+        let items = list.into_iter().flat_map(|list| tree.children(list));
         let items = items.map(|item| (item, tree.node(item).range().start));
         let mut found: Vec<_> = items.collect();
         let pairs = found.iter().zip(found.iter().skip(1));

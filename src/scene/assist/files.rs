@@ -2,14 +2,18 @@
 
 use std::{ops::Range, path::PathBuf};
 
-use super::{Completion, CompletionKind, complete::FILE, spot::Finder};
+use super::{
+    Completion, CompletionKind,
+    complete::{FILE, item},
+    spot::Finder,
+};
 use crate::{
     scene::{
         format::{geometry::nesting::FIELD_NAMES, scene::Model},
         locate::{body, items},
         options::ReadOptions,
     },
-    text::syntax::{NodeId, NodeKind},
+    text::syntax::NodeKind,
 };
 
 /// The number of files that are offered.
@@ -34,16 +38,11 @@ pub(super) fn files(typed: &str, endings: &[&str], options: &ReadOptions) -> Vec
     let items = listed.into_iter().take(MOST).map(|(name, is_folder)| {
         let slash = if is_folder { "/" } else { "" };
         let label = format!("{folder}{name}{slash}");
-        Completion {
-            insert: format!("{label:?}"),
-            label,
-            kind: match is_folder {
-                true => CompletionKind::Folder,
-                false => CompletionKind::File,
-            },
-            detail: String::new(),
-            docs: String::new(),
-        }
+        let kind = match is_folder {
+            true => CompletionKind::Folder,
+            false => CompletionKind::File,
+        };
+        item(&label, format!("{label:?}"), kind, "")
     });
     items.collect()
 }
@@ -61,11 +60,7 @@ pub struct FileLink {
 
 pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
     let tree = finder.tree;
-    let field = |owner: NodeId, name: &str| {
-        let mut fields = tree.fields(owner);
-        let found = fields.find(|(key, _)| finder.name(*key) == name);
-        found.map(|(_, value)| value)
-    };
+    let field = |owner, name: &str| finder.field(owner, name);
     let root = tree.root();
     let schema = root.and_then(|root| field(root, "$schema"));
     let geometries = root.and_then(|root| field(root, Model::LONG));

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, fmt::Write as _};
 
-use super::{Completion, CompletionKind, names::written, spot::Finder};
+use super::{Completion, CompletionKind, complete::item, names::written, spot::Finder};
 use crate::{
     scene::{
         format::{field::Field, scene::Model, thing::Type},
@@ -30,12 +30,10 @@ pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<C
     let syntax = tree.syntax();
     let items = all.found.into_iter().chain(all.defaults).map(|path| {
         let quoted = written(&path, syntax);
+        let insert = if has_colon { quoted } else { quoted + ": " };
         Completion {
-            label: path,
-            insert: if has_colon { quoted } else { quoted + ": " },
-            kind: CompletionKind::Name,
             detail: "value of the scene".to_owned(),
-            docs: String::new(),
+            ..item(&path, insert, CompletionKind::Name, "")
         }
     });
     items.collect()
@@ -108,9 +106,8 @@ impl Paths<'_, '_> {
 
     /// Returns the name of an element of a list.
     fn name_of(&self, thing: NodeId) -> Option<String> {
-        let tree = self.finder.tree;
-        let mut fields = tree.fields(body(tree, thing).unwrap_or(thing));
-        let (_, value) = fields.find(|(field, _)| self.finder.name(*field) == "name")?;
+        let fields = body(self.finder.tree, thing).unwrap_or(thing);
+        let value = self.finder.field(fields, "name")?;
         Some(self.finder.name(value).into_owned())
     }
 }

@@ -74,6 +74,13 @@ impl<'a> Finder<'a> {
         }
     }
 
+    /// Returns the value of a field of an object, or of an entry of a map.
+    pub(super) fn field(&self, owner: NodeId, name: &str) -> Option<NodeId> {
+        let mut fields = self.tree.fields(owner);
+        let (_, value) = fields.find(|(key, _)| self.name(*key) == name)?;
+        Some(value)
+    }
+
     /// Returns the place at an offset; `None` in a comment, and where nothing fits.
     pub(super) fn find(&self, offset: usize) -> Option<Spot<'a>> {
         self.text.get(..offset)?;

@@ -127,15 +127,14 @@ fn elements(finder: &Finder, list: NodeId, kind: SymbolKind) -> Vec<Symbol> {
     let items = items(tree, list);
     let is_long = items.len() > MOST;
     let elements = items.into_iter().enumerate().filter_map(|(index, item)| {
-        let mut fields = tree.fields(body(tree, item).unwrap_or(item));
-        let given = fields.find(|(key, _)| finder.name(*key) == "name");
+        let given = finder.field(body(tree, item).unwrap_or(item), "name");
         if is_long && given.is_none() {
             return None;
         }
         let range = tree.node(item).range();
         let (variant, selection) = variant(finder, item);
         let (name, selection) = match given {
-            Some((_, value)) => (label(&finder.name(value)), tree.node(value).range()),
+            Some(value) => (label(&finder.name(value)), tree.node(value).range()),
             None => (format!("[{index}]"), selection),
         };
         let selection = match range.start <= selection.start && selection.end <= range.end {

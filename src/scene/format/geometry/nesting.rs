@@ -1,4 +1,4 @@
-//! Geometries inside of others: their fields, their numbers, their paths, and the ways through all
+//! Geometries inside of others: their fields, their numbers, their paths, and the walks through all
 //! of them.
 
 use std::{iter::Enumerate, slice, sync::LazyLock};
@@ -335,7 +335,7 @@ impl Leaf<'_> {
 }
 
 /// All geometries of a list, each before those inside of it. What a step needs where no geometry is
-/// inside of another stays in registers: the rest of the way is moved, never referred to.
+/// inside of another stays in registers: the rest is moved, never referred to.
 #[derive(Clone, Debug)]
 pub(crate) struct Walk<'m> {
     list: Enumerate<slice::Iter<'m, GeometryModel>>,
