@@ -43,17 +43,13 @@ pub(crate) fn world(
 ) -> Result<Built, GeometryError> {
     let materials = Materials::of(model.materials.as_ref())?;
     let surroundings = surroundings(&model, &tables)?;
-    let BuiltList {
-        geometries,
-        origins,
-        scales,
-    } = geometries(model.geometries, &materials, tables, cancel)?;
-    let mut world = World::new(geometries, Color::BLACK);
+    let list = geometries(model.geometries, &materials, tables, cancel)?;
+    let mut world = World::new(list.geometries, Color::BLACK);
     world.surround(surroundings);
     Ok(Built {
         world,
-        origins,
-        scales,
+        origins: list.origins,
+        scales: list.scales,
     })
 }
 
@@ -125,11 +121,7 @@ pub(crate) fn geometries(
         builder.all.extend(geometries.by_ref().take(before - taken));
         builder.ids += before - taken;
         taken = before;
-        let origin = Origin {
-            geometry: index,
-            ..Origin::default()
-        };
-        let placement = Placement::default();
+        let (origin, placement) = (Origin::of(index), Placement::default());
         let (indices, content) = builder.content(model, &mut index.into(), &origin, &placement)?;
         origins.add(index, indices, content);
     }
@@ -335,8 +327,7 @@ impl Builder<'_> {
                     at.inner += model.total() - 1;
                 }
                 None => {
-                    let mut origin = origin.clone();
-                    origin.in_groups.push(index);
+                    let origin = origin.inside(index);
                     let (indices, content) = self.content(model, at, &origin, placement)?;
                     origins.add(index, indices.start - first..indices.end - first, content);
                 }

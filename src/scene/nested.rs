@@ -10,7 +10,7 @@ use crate::{
     diagnostic::{Code, plain, reading::folder_of},
     parallel::{Cancel, timings::Timings},
     scene::{
-        build::{self, BuiltList},
+        build::{self},
         check::Checked,
         files::{self, Folder},
         format::{
@@ -340,18 +340,14 @@ fn part(
     let mut lights: Vec<PartLight> = own.collect::<Result<_, GeometryError>>()?;
     lights.extend(tables.lights().flatten().cloned());
     let materials = Materials::of(model.materials.as_ref())?;
-    let BuiltList {
-        geometries,
-        origins,
-        scales,
-    } = build::geometries(model.geometries, &materials, tables, cancel)?;
+    let list = build::geometries(model.geometries, &materials, tables, cancel)?;
     let places = Places {
         file: name.into(),
-        origins,
-        scales,
+        origins: list.origins,
+        scales: list.scales,
     };
     Ok(Some(Part {
-        geometries,
+        geometries: list.geometries,
         lights: is_lit.then_some(lights),
         places: places.into(),
     }))

@@ -32,6 +32,21 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// Returns the origin of a geometry in the scene's list.
+    pub(crate) fn of(geometry: usize) -> Self {
+        Self {
+            geometry,
+            ..Self::default()
+        }
+    }
+
+    /// Returns the origin of a geometry in the group that this is.
+    pub(crate) fn inside(&self, index: usize) -> Self {
+        let mut inside = self.clone();
+        inside.in_groups.push(index);
+        inside
+    }
+
     /// Returns the path of the geometry in the scene.
     pub fn path(&self) -> Path {
         let first = Path::ROOT.field(Model::LONG).index(self.geometry);

@@ -142,16 +142,8 @@ impl Origins {
         found: &mut Vec<Placed<'a>>,
     ) {
         for span in &self.spans {
-            let origin = match group {
-                None => Origin {
-                    geometry: span.geometry,
-                    ..Origin::default()
-                },
-                Some(group) => Origin {
-                    in_groups: [&group.in_groups[..], &[span.geometry]].concat(),
-                    ..group.clone()
-                },
-            };
+            let in_scene = || Origin::of(span.geometry);
+            let origin = group.map_or_else(in_scene, |group| group.inside(span.geometry));
             let start = first + span.first;
             found.push(Placed {
                 origin: origin.clone(),
@@ -217,10 +209,7 @@ impl Origins {
     pub(crate) fn of(&self, index: usize) -> Origin {
         let mut way = self.way(index);
         let mut last = way.next();
-        let mut origin = Origin {
-            geometry: last.as_ref().map_or(index, |found| found.geometry),
-            ..Origin::default()
-        };
+        let mut origin = Origin::of(last.as_ref().map_or(index, |found| found.geometry));
         for found in way {
             origin.in_groups.push(found.geometry);
             last = Some(found);

@@ -33,15 +33,11 @@ pub(super) fn fields<'de, 'a, 'p>(
     path: &'p Trail<'p>,
     fields: Fields,
 ) -> impl MapAccess<'de, Error = Fault> {
-    MapDeserializer::new(fields.into_iter().map(move |(field, value)| {
-        let path = path.field(field);
-        let reader = Reader {
-            document,
-            value,
-            path,
-        };
-        (field, reader)
-    }))
+    MapDeserializer::new(
+        fields
+            .into_iter()
+            .map(move |(field, value)| (field, Reader::new(document, value, path.field(field)))),
+    )
 }
 
 /// Stand-ins for all fields.
@@ -223,15 +219,15 @@ fn advice(
 
 /// The elements of a sequence.
 pub(super) struct Elements<'a, 'p> {
-    pub(super) document: Text<'a>,
-    pub(super) path: &'p Trail<'p>,
+    document: Text<'a>,
+    path: &'p Trail<'p>,
     /// The given elements; `None` for a stand-in.
-    pub(super) children: Option<Children<'a>>,
+    children: Option<Children<'a>>,
     /// True if stand-ins replace missing elements.
-    pub(super) endless: bool,
-    pub(super) index: usize,
+    endless: bool,
+    index: usize,
     /// Number of replaced elements.
-    pub(super) replaced: usize,
+    replaced: usize,
 }
 
 impl<'de> SeqAccess<'de> for Elements<'_, '_> {
@@ -254,11 +250,7 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
             None if self.endless => Value::StandIn,
             None => return Ok(None),
         };
-        let reader = Reader {
-            document: self.document,
-            value,
-            path: self.path.index(self.index),
-        };
+        let reader = Reader::new(self.document, value, self.path.index(self.index));
         self.index += 1;
         let element = seed.deserialize(reader)?;
         let notes = self.document.notes.borrow();
@@ -268,7 +260,23 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
     }
 }
 
-impl Elements<'_, '_> {
+impl<'a, 'p> Elements<'a, 'p> {
+    pub(super) const fn new(
+        document: Text<'a>,
+        path: &'p Trail<'p>,
+        children: Option<Children<'a>>,
+        endless: bool,
+    ) -> Self {
+        Self {
+            document,
+            path,
+            children,
+            endless,
+            index: 0,
+            replaced: 0,
+        }
+    }
+
     /// Counts the rest of a list with elements of the wrong type: those of the same kind as the
     /// first.
     fn pass_the_rest(&mut self, first: NodeId) {
@@ -300,13 +308,7 @@ pub(super) fn entries<'de, 'p>(
             }
             None => {
                 first_of.insert(name.clone(), key);
-                let path = path.key(&name);
-                let value = Value::Node(value);
-                let reader = Reader {
-                    document,
-                    value,
-                    path,
-                };
+                let reader = Reader::new(document, Value::Node(value), path.key(&name));
                 entries.push((name, reader));
             }
         }

@@ -92,13 +92,7 @@ pub(crate) fn recover_at<'de, T: Deserialize<'de>>(
             tree,
             notes: &notes,
         };
-        let read = |path: Trail<'_>| {
-            T::deserialize(Reader {
-                document,
-                value: Value::Node(root),
-                path,
-            })
-        };
+        let read = |path: Trail<'_>| T::deserialize(Reader::new(document, Value::Node(root), path));
         with_trail(steps, Trail::Root, read)
             .map_err(|fault| {
                 let range = tree.node(root).range();

@@ -68,7 +68,15 @@ impl de::Error for Fault {
     }
 }
 
-impl<'a> Reader<'a, '_> {
+impl<'a, 'p> Reader<'a, 'p> {
+    pub(super) const fn new(document: Text<'a>, value: Value, path: Trail<'p>) -> Self {
+        Self {
+            document,
+            value,
+            path,
+        }
+    }
+
     /// Returns the node, if there is one; reports a missing field and a broken value.
     fn node(&self) -> Option<NodeId> {
         match &self.value {
@@ -204,13 +212,13 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Returns the elements of a tuple or a list, with the expected `length` if known.
-    fn elements<'p>(
-        &'p self,
+    fn elements<'q>(
+        &'q self,
         id: NodeId,
         length: Option<usize>,
         expected: &str,
         wants: Wants,
-    ) -> Elements<'a, 'p> {
+    ) -> Elements<'a, 'q> {
         let children = self.document.tree.children(id);
         if let Some(length) = length
             && children.clone().count() != length
@@ -221,18 +229,11 @@ impl<'a> Reader<'a, '_> {
             }
             self.document.replace(id, diagnostic);
         }
-        Elements {
-            document: self.document,
-            path: &self.path,
-            children: Some(children),
-            endless: length.is_some(),
-            index: 0,
-            replaced: 0,
-        }
+        Elements::new(self.document, &self.path, Some(children), length.is_some())
     }
 
     /// The elements of a tuple, or stand-ins.
-    fn tuple<'p>(&'p self, length: usize, expected: &str, wants: Wants) -> Elements<'a, 'p> {
+    fn tuple<'q>(&'q self, length: usize, expected: &str, wants: Wants) -> Elements<'a, 'q> {
         match self.node() {
             Some(id) if self.is_tuple(id) => self.elements(id, Some(length), expected, wants),
             other => self.no_tuple(other, expected, wants),
@@ -240,7 +241,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Returns the elements of a key: a time, a value, and optionally a step; or stand-ins.
-    fn key<'p>(&'p self, expected: &str) -> Elements<'a, 'p> {
+    fn key<'q>(&'q self, expected: &str) -> Elements<'a, 'q> {
         let count = |id| self.document.tree.children(id).count();
         match self.node() {
             Some(id) if self.is_tuple(id) && matches!(count(id), 2 | 3) => {
@@ -251,12 +252,12 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Returns stand-ins for the elements of a value that is not a tuple.
-    fn no_tuple<'p>(
-        &'p self,
+    fn no_tuple<'q>(
+        &'q self,
         id: Option<NodeId>,
         expected: &str,
         wants: Wants,
-    ) -> Elements<'a, 'p> {
+    ) -> Elements<'a, 'q> {
         if let Some(id) = id {
             self.document
                 .replace(id, self.wrong_type(id, expected, wants));
@@ -265,14 +266,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn no_elements(&self, endless: bool) -> Elements<'a, '_> {
-        Elements {
-            document: self.document,
-            path: &self.path,
-            children: None,
-            endless,
-            index: 0,
-            replaced: 0,
-        }
+        Elements::new(self.document, &self.path, None, endless)
     }
 
     /// Returns the fields of a struct; reports all else.

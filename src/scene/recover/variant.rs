@@ -141,35 +141,23 @@ impl Given {
 fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
     let tree = document.tree;
     let node = tree.node(id);
-    match (tree.syntax(), node.kind()) {
-        (Syntax::Ron, NodeKind::Name) => Some(Given {
-            place: node.range(),
-            body: None,
-            whole: id,
-        }),
-        (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => Some(Given {
-            place: node.name()?,
-            body: Some(id),
-            whole: id,
-        }),
-        (Syntax::Json, NodeKind::String) => Some(Given {
-            place: node.range(),
-            body: None,
-            whole: id,
-        }),
+    let (place, body) = match (tree.syntax(), node.kind()) {
+        (Syntax::Ron, NodeKind::Name) | (Syntax::Json, NodeKind::String) => (node.range(), None),
+        (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
+            (node.name()?, Some(id))
+        }
         (Syntax::Json, NodeKind::Map) => {
             let mut fields = tree.fields(id);
-            match (fields.next(), fields.next()) {
-                (Some((key, body)), None) => Some(Given {
-                    place: tree.node(key).range(),
-                    body: Some(body),
-                    whole: id,
-                }),
-                _ => None,
-            }
+            let (key, body) = fields.next().filter(|_| fields.next().is_none())?;
+            (tree.node(key).range(), Some(body))
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    Some(Given {
+        place,
+        body,
+        whole: id,
+    })
 }
 
 /// Returns the variants that are valid at a path: inside of a solid only solids.
@@ -423,14 +411,8 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         let list = self.content(NodeKind::List, "a list", "[…]");
         let Self { document, path, .. } = self;
-        visitor.visit_seq(Elements {
-            document,
-            path,
-            children: list.map(|list| document.tree.children(list)),
-            endless: false,
-            index: 0,
-            replaced: 0,
-        })
+        let children = list.map(|list| document.tree.children(list));
+        visitor.visit_seq(Elements::new(document, path, children, false))
     }
 
     serde::forward_to_deserialize_any! {

@@ -10,7 +10,7 @@ use crate::{
             color_by::{ColorByModel, ColormapModel},
             geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
-            material::{MaterialModel, Surface},
+            material::MaterialModel,
             scene::Model,
             thing::{Needs, Set, Thing},
         },
@@ -55,15 +55,9 @@ impl Found {
     ) {
         let surface = geometry.surface();
         self.color_by(geometry, at, model);
-        match surface {
-            Surface {
-                color: Some(_),
-                material: None,
-            } => {}
-            Surface {
-                color,
-                material: Some(material),
-            } => {
+        match (surface.color, surface.material) {
+            (Some(_), None) => {}
+            (color, Some(material)) => {
                 if color.is_some() {
                     self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins);
                 }
@@ -74,7 +68,7 @@ impl Found {
                 }
                 self.material(material, path);
             }
-            Surface { .. } => {
+            (None, None) => {
                 self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins)
             }
         }

@@ -156,7 +156,7 @@ impl GeometryModel {
         of_each!(self, geometry => Surface {
             color: geometry.color.as_ref(),
             material: geometry.material.as_deref(),
-        }, Bare(_) => Surface { color: None, material: None })
+        }, Bare(_) => Surface::default())
     }
 
     /// Shares the material of another geometry if the two are equal: a million geometries hold one.

@@ -225,11 +225,7 @@ impl GeometryModel {
     /// its own or that of the innermost solid around it that has one. Of any other geometry, its own.
     pub(crate) fn surfaces(&self) -> Vec<Surface<'_>> {
         let mut found = Vec::new();
-        let nothing = Surface {
-            color: None,
-            material: None,
-        };
-        self.each_surface(nothing, &mut |surface| found.push(surface));
+        self.each_surface(Surface::default(), &mut |surface| found.push(surface));
         found
     }
 

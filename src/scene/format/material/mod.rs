@@ -112,7 +112,7 @@ impl<'de> Entry<'de> for MaterialModel {
 }
 
 /// The surface of a geometry: a color, which is a matte one, or a material.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Surface<'m> {
     pub(crate) color: Option<&'m ColorModel>,
     pub(crate) material: Option<&'m MaterialModel>,
@@ -143,15 +143,10 @@ impl Materials {
     /// Builds the material of a surface. One that validation has rejected is matte and black.
     #[inline(always)]
     pub(crate) fn build(&self, surface: Surface) -> Result<Material, GeometryError> {
-        match surface {
-            Surface {
-                color: Some(color), ..
-            } => Ok(Material::Matte(color.build())),
-            Surface {
-                material: Some(material),
-                ..
-            } => self.of_model(material),
-            Surface { .. } => Ok(Material::Matte(ColorModel::BLACK.build())),
+        match (surface.color, surface.material) {
+            (Some(color), _) => Ok(Material::Matte(color.build())),
+            (None, Some(material)) => self.of_model(material),
+            (None, None) => Ok(Material::Matte(ColorModel::BLACK.build())),
         }
     }
 
