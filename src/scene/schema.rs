@@ -247,57 +247,27 @@ impl Printer {
 
     /// Prints tracks, by the kinds of what their paths lead to.
     fn tracks(&mut self) -> Value {
-        type Is = fn(FieldKind) -> bool;
-        let element = "\\[\\s*[0-9]+\\s*\\]\\s*";
-        let all: [(_, _, _, Is, _); 6] = [
-            (
-                "NumberKey",
-                "a number",
-                FieldKind::Number,
-                FieldKind::has_elements,
-                element,
-            ),
-            (
-                "NumberKey",
-                "a number",
-                FieldKind::Number,
-                FieldKind::is_number,
-                "",
-            ),
-            (
-                "ScaleKey",
-                "a number or three numbers",
-                FieldKind::Scale,
-                |kind| kind == FieldKind::Scale,
-                "",
-            ),
-            (
-                "VectorKey",
-                "a point or a direction",
-                FieldKind::Point,
-                FieldKind::is_vector,
-                "",
-            ),
-            (
-                "RangeKey",
-                "a range",
-                FieldKind::Interval,
-                |kind| kind == FieldKind::Interval,
-                "",
-            ),
-            (
-                "ColorKey",
-                "a color",
-                FieldKind::Color,
-                |kind| kind == FieldKind::Color,
-                "",
-            ),
+        let all = [
+            ("NumberKey", "a number", FieldKind::Number),
+            ("ScaleKey", "a number or three numbers", FieldKind::Scale),
+            ("VectorKey", "a point or a direction", FieldKind::Point),
+            ("RangeKey", "a range", FieldKind::Interval),
+            ("ColorKey", "a color", FieldKind::Color),
         ];
         let mut keys = Map::new();
-        for (name, what, value, is_it, end) in all {
+        for (name, what, value) in all {
             let key = self.defined(name, |it| it.key(what, value));
             let list = json!({"type": "array", "minItems": 1, "items": key});
-            keys.insert(paths(is_it, end), list);
+            let is_it = |kind: FieldKind| match value {
+                FieldKind::Number => kind.is_number(),
+                FieldKind::Point => kind.is_vector(),
+                value => kind == value,
+            };
+            if value == FieldKind::Number {
+                let element = paths(FieldKind::has_elements, "\\[\\s*[0-9]+\\s*\\]\\s*");
+                keys.insert(element, list.clone());
+            }
+            keys.insert(paths(is_it, ""), list);
         }
         json!({"type": "object", "patternProperties": keys, "additionalProperties": false})
     }
@@ -337,7 +307,7 @@ fn given_of(set: &Set, object: &Object) -> Value {
 
 /// Returns the pattern of the paths to the fields of some kinds. Of what lies between the first and
 /// the last name it knows nothing.
-fn paths(is_it: fn(FieldKind) -> bool, end: &str) -> String {
+fn paths(is_it: impl Fn(FieldKind) -> bool, end: &str) -> String {
     let roots = CHANGING.iter().filter_map(|(root, fields)| {
         let names = fields.iter().filter(|field| is_it(field.kind));
         let names: Vec<_> = names.map(|field| field.name).collect();

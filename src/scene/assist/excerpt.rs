@@ -55,8 +55,7 @@ pub struct Elements {
 impl Elements {
     /// Finds the elements.
     pub fn new(source: &Source) -> Self {
-        let (text, tree) = (source.text(), source.tree());
-        let finder = Finder { text, tree };
+        let (finder, tree) = (Finder::new(source), source.tree());
         let list = tree.root().and_then(|root| finder.field(root, Model::LONG));
         let items = list.into_iter().flat_map(|list| tree.children(list));
         let items = items.map(|item| (item, tree.node(item).range().start));
@@ -203,8 +202,7 @@ impl Excerpt<'_> {
     }
 
     fn finder(&self) -> Finder<'_> {
-        let (text, tree) = (self.source.text(), self.source.tree());
-        Finder { text, tree }
+        Finder::new(&self.source)
     }
 
     /// Returns the texts that fit at an offset, as [`Source::completions`].

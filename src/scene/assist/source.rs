@@ -21,10 +21,7 @@ const INDENT: usize = 4;
 
 impl Source {
     fn finder(&self) -> Finder<'_> {
-        Finder {
-            text: self.text(),
-            tree: self.tree(),
-        }
+        Finder::new(self)
     }
 
     /// Returns the texts that fit at an offset. The files are those that `options` let the scene

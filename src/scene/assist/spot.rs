@@ -3,9 +3,12 @@
 use std::{borrow::Cow, ops::Range};
 
 use crate::{
-    scene::format::{
-        scene::Model,
-        thing::{Thing, Type},
+    scene::{
+        format::{
+            scene::Model,
+            thing::{Thing, Type},
+        },
+        source::Source,
     },
     text::syntax::{self, NodeId, NodeKind, Syntax, Tree},
 };
@@ -62,6 +65,11 @@ const fn is_word(character: char) -> bool {
 }
 
 impl<'a> Finder<'a> {
+    pub(super) fn new(source: &'a Source) -> Self {
+        let (text, tree) = (source.text(), source.tree());
+        Self { text, tree }
+    }
+
     pub(super) fn at(&self, range: Range<usize>) -> &'a str {
         self.text.get(range).unwrap_or_default()
     }
