@@ -23,7 +23,6 @@ use crate::{
         part::{Needs, PartCache},
         problem::{Focus, Problem, Tally},
         read::{self, LARGE},
-        recognize::Recognizer,
         recover::{self, Recovered, Repairs},
         set::Applied,
         source::Source,
@@ -229,7 +228,7 @@ pub(super) fn check(
     if options.is_cancelled() {
         return Checked::refused(Vec::new());
     }
-    if let Some(range) = Recognizer::new(text, tree).stamp() {
+    if let Some(range) = source.stamp() {
         let message = "this is a report that strahl wrote, not a scene";
         return Checked::refused(vec![Diagnostic::new(Code::Syntax, range, message)]);
     }
