@@ -36,7 +36,7 @@ fn plural(kind: &str) -> String {
     if let Some(stem) = kind.strip_suffix('y') {
         return format!("{stem}ies");
     }
-    let is_hissing = kind.ends_with('x') || kind.ends_with("sh");
+    let is_hissing = kind.ends_with(['s', 'x']) || kind.ends_with("sh");
     let ending = if is_hissing { "es" } else { "s" };
     format!("{kind}{ending}")
 }

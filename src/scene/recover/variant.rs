@@ -164,7 +164,7 @@ fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
 fn fitting(path: &Trail<'_>, variants: &'static [&'static str]) -> &'static [&'static str] {
     let field = path.last_field();
     match field.is_some_and(|field| OPERANDS.contains(&field)) {
-        true => SOLIDS,
+        true => &SOLIDS,
         false => variants,
     }
 }

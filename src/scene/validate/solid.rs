@@ -15,8 +15,8 @@ use crate::{
 };
 
 /// What a solid may be put together from.
-const WHAT_IS_SOLID: &str = "a solid is a Sphere, a Box, a capped Cylinder or Cone, a Capsule, an Ellipsoid, \
-                      a Plane, which is all that lies behind it, a Group of these, or put together from these";
+const WHAT_IS_SOLID: &str = "a solid is a closed shape, such as a Sphere, a Box or a capped Cylinder, a Plane, \
+                             which is all that lies behind it, a Group of these, or put together from these";
 
 impl Found {
     /// Checks what a solid is put together from.

@@ -45,11 +45,18 @@ pub(crate) struct Crossing {
     pub(crate) face: u64,
 }
 
-/// The crossings of a ray's line with a shape, from near to far. Some may lie behind the origin.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Crossings(pub(crate) [Option<Crossing>; 2]);
+/// The crossings of a ray's line with a shape, at most `N`, from near to far. Some may lie behind the
+/// origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossings<const N: usize = 2>(pub(crate) [Option<Crossing>; N]);
 
-impl Crossings {
+impl Default for Crossings {
+    fn default() -> Self {
+        Self([None; 2])
+    }
+}
+
+impl<const N: usize> Crossings<N> {
     /// Returns the crossings that lie around a shape.
     #[inline(always)]
     pub(crate) fn near(self, around: &Around, ray: &Ray) -> Self {

@@ -236,6 +236,33 @@ shapes! {
     Placed(Arc<Placed>),
 }
 
+/// Evaluates an expression for a solid that is not combined from others, and another one for any other
+/// shape.
+macro_rules! of_solid {
+    ($shape:expr, $solid:ident => $value:expr, else $other:expr) => {
+        match $shape {
+            Shape::Plane($solid) => $value,
+            Shape::Sphere($solid) => $value,
+            Shape::Cuboid($solid) => $value,
+            Shape::Cylinder($solid) if $solid.capped() => $value,
+            Shape::Cone($solid) if $solid.capped() => $value,
+            Shape::Capsule($solid) => $value,
+            Shape::Ellipsoid($solid) => $value,
+            Shape::Disc(_)
+            | Shape::Rectangle(_)
+            | Shape::Triangle(_)
+            | Shape::Cylinder(_)
+            | Shape::Cone(_)
+            | Shape::Mesh(_)
+            | Shape::Solid(_)
+            | Shape::Instances(_)
+            | Shape::Placed(_) => $other,
+        }
+    };
+}
+
+pub(crate) use of_solid;
+
 /// The extent of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extent<'a> {
@@ -362,6 +389,11 @@ impl Shape {
             Faces::Flat | Faces::Curved => false,
             Faces::Several | Faces::Triangles | Faces::Copies => true,
         }
+    }
+
+    /// Returns true if the shape is a solid that holds all between two of its points.
+    pub(crate) fn is_convex(&self) -> bool {
+        of_solid!(self.unplaced(), _solid => true, else false)
     }
 
     /// Returns true if the shape is flat.

@@ -1,6 +1,6 @@
-//! The part of a ray's line inside a convex solid: one interval, whose ends lie on faces.
+//! The parts of a ray's line inside a solid: one interval if it is convex, whose ends lie on faces.
 //!
-//! A solid is the intersection of simpler ones, and so is its span. Its ends are compared with each
+//! A convex solid is the intersection of simpler ones, and so is its span. Its ends are compared with each
 //! other and never with a position, so that no ray slips through where two faces meet.
 //!
 //! The end at which a ray leaves a face of the solid is 0 exactly. So a ray that leaves outward does
@@ -150,6 +150,25 @@ impl Span {
             [other, one]
         };
         Self::new(ends, face)
+    }
+}
+
+/// The parts of a ray's line inside a solid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Spans {
+    Convex(Option<Span>),
+    Several([Option<Span>; 2]),
+}
+
+impl From<Option<Span>> for Spans {
+    fn from(span: Option<Span>) -> Self {
+        Self::Convex(span)
+    }
+}
+
+impl From<[Option<Span>; 2]> for Spans {
+    fn from(spans: [Option<Span>; 2]) -> Self {
+        Self::Several(spans)
     }
 }
 

@@ -29,20 +29,23 @@ use crate::{
     },
 };
 
-/// The kinds of geometries that are solids: first the simple ones, then those of others.
-pub(crate) const SOLIDS: &[&str] = &[
-    "Plane",
-    "Sphere",
-    "Box",
-    "Cylinder",
-    "Cone",
-    "Capsule",
-    "Ellipsoid",
-    "Group",
-    "Union",
-    "Intersection",
-    "Difference",
+/// The kinds of geometries that are not solids.
+const OTHERS: &[&str] = &[
+    "Disc",
+    "Rectangle",
+    "Triangle",
+    "Mesh",
+    "Spheres",
+    "Cylinders",
+    "Part",
+    "Instances",
 ];
+
+/// The kinds of geometries that are solids: first the simple ones, then those of others.
+pub(crate) static SOLIDS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    let all = GeometryModel::VARIANTS.iter().map(|variant| variant.name);
+    all.filter(|name| !OTHERS.contains(name)).collect()
+});
 
 /// A solid inside of another one.
 static SOLID: LazyLock<OneOf> = LazyLock::new(|| {

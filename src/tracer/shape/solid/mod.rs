@@ -1,8 +1,8 @@
 //! Solids combined from others: their union, intersection or difference.
 //!
-//! Each part is convex, so the line of a ray has one span inside it. Along the line, the whole is
-//! inside or outside as the operations say of its parts; it is crossed where that changes. Spans that
-//! touch are thereby joined, and those of length 0 vanish. Where several operands of an operation
+//! The line of a ray has one span inside each part that is convex, and at most two in others. Along the
+//! line, the whole is inside or outside as the operations say of its parts; it is crossed where that
+//! changes. Spans that touch are thereby joined, and those of length 0 vanish. Where several operands of an operation
 //! change at one t, the face is that of the first of them.
 //!
 //! If a ray leaves a face, the end of the part's span that lies on it is 0 exactly, so that what is
@@ -180,10 +180,10 @@ impl Solid {
     pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Crossings<'a> {
         let own = leaving.face.map(|face| self.part_of(face));
         let own = own.and_then(|(part, face)| Some((self.parts.get(part)?.twin, face)));
-        let spans = self.parts.iter().map(|part| {
+        let spans = self.parts.iter().enumerate().flat_map(|(number, part)| {
             let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
             let leaving = leaving.of_part(face, part.shape.transform());
-            part.span(ray, leaving).unwrap_or(NOWHERE)
+            part.spans(ray, leaving).map(move |span| (number, span))
         });
         Crossings {
             solid: self,
@@ -223,8 +223,11 @@ impl Solid {
     /// the whole.
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let crossings = self.crossings(ray, Leaving::NOTHING);
-        let parts = self.parts.iter().zip(&crossings.spans).enumerate();
-        let lines = parts.flat_map(|(number, (part, span))| part.working(number, ray, span));
+        let parts = self.parts.iter().enumerate();
+        let lines = parts.flat_map(|(number, part)| {
+            let spans = crossings.spans_of(number);
+            part.working(number, ray, spans)
+        });
         let all: Vec<_> = crossings.after(f64::NEG_INFINITY).map(|at| at.t).collect();
         Working {
             form: Some(self.root.form(&self.parts)),
@@ -389,9 +392,9 @@ impl Node {
                     return false;
                 };
                 let bounds = first.bounds(parts);
-                // Parts are convex.
                 let holds_box = |part: &SolidPart, bounds| {
-                    corners(bounds).all(|corner| part.depth(corner) >= 0.0)
+                    let mut corners = corners(bounds);
+                    part.shape.is_convex() && corners.all(|corner| part.depth(corner) >= 0.0)
                 };
                 let ball = match first {
                     Self::Part(index) => parts[*index].shape.sphere(),
@@ -432,8 +435,8 @@ impl Node {
     }
 
     /// Returns the part whose face is crossed at a `t`, if the ray gets inside or outside there.
-    fn crossed(&self, spans: &[Span], t: f64) -> Option<usize> {
-        let is_in = |side| self.is_in(&|part| is_within(&spans[part], t, side));
+    fn crossed(&self, spans: &[(usize, Span)], t: f64) -> Option<usize> {
+        let is_in = |side| self.is_in(&|part| is_within(spans, part, t, side));
         if is_in(Side::Before) == is_in(Side::After) {
             return None;
         }
@@ -522,8 +525,8 @@ impl Node {
 pub(crate) struct Crossings<'a> {
     solid: &'a Solid,
     ray: &'a Ray,
-    /// The span inside each part.
-    spans: Vec<Span>,
+    /// The spans inside the parts, in their order.
+    spans: Vec<(usize, Span)>,
 }
 
 impl Crossings<'_> {
@@ -539,17 +542,25 @@ impl Crossings<'_> {
             .take_while(move |at| in_front(at.t, t_max).is_some())
     }
 
+    /// Returns the spans inside a part.
+    fn spans_of(&self, part: usize) -> impl Iterator<Item = Span> {
+        spans_of(&self.spans, part).copied()
+    }
+
     /// Returns the crossings after a `t`.
     fn after(&self, t: f64) -> impl Iterator<Item = Crossing> {
         let Self { solid, ray, spans } = self;
-        let ends = || spans.iter().flat_map(|span| [span.enter.t, span.exit.t]);
+        let ends = || {
+            let spans = spans.iter();
+            spans.flat_map(|(_, span)| [span.enter.t, span.exit.t])
+        };
         let next = move |last: f64| ends().filter(|t| *t > last).min_by(f64::total_cmp);
         let all = iter::successors(next(t), move |last| next(*last));
         let finite = all.take_while(|t| *t < f64::INFINITY);
         let met = finite.filter_map(|t| {
             let part = solid.root.crossed(spans, t)?;
-            let Span { enter, exit } = spans[part];
-            let face = if enter.t == t { enter.face } else { exit.face };
+            let mut ends = self.spans_of(part).flat_map(|span| [span.enter, span.exit]);
+            let Crossing { face, .. } = ends.find(|end| end.t == t)?;
             let face = part as u64 * Solid::FACES_OF_PART + face;
             Some(Crossing { t, face })
         });
@@ -568,14 +579,19 @@ fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// The span of a ray that misses a part.
-const NOWHERE: Span = Span::new([f64::INFINITY, f64::NEG_INFINITY], 0);
-
-/// Returns true if the points right before or after a `t` are within a span.
+/// Returns those of some spans that are inside a part.
 #[inline]
-fn is_within(span: &Span, t: f64, side: Side) -> bool {
-    match side {
+fn spans_of(spans: &[(usize, Span)], part: usize) -> impl Iterator<Item = &Span> {
+    let first = spans.partition_point(|(of, _)| *of < part);
+    let own = spans[first..].iter().take_while(move |(of, _)| *of == part);
+    own.map(|(_, span)| span)
+}
+
+/// Returns true if the points right before or after a `t` are within a part.
+#[inline]
+fn is_within(spans: &[(usize, Span)], part: usize, t: f64, side: Side) -> bool {
+    spans_of(spans, part).any(|span| match side {
         Side::Before => span.enter.t < t && t <= span.exit.t,
         Side::After => span.enter.t <= t && t < span.exit.t,
-    }
+    })
 }

@@ -1,4 +1,4 @@
-//! The parts of a solid: simple solids, which are convex.
+//! The parts of a solid: simple solids.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,8 @@ use crate::tracer::{
         Shape,
         around::Around,
         face::{Crossing, Leaving},
-        span::{Convex, Span},
+        of_solid,
+        span::{Convex, Span, Spans},
         working::{Term, Working},
     },
 };
@@ -26,34 +27,10 @@ pub(super) struct SolidPart {
     pub(super) around: Option<Around>,
 }
 
-/// Evaluates an expression for a simple solid, and another one for any other shape.
-macro_rules! of_simple {
-    ($shape:expr, $solid:ident => $value:expr, else $other:expr) => {
-        match $shape {
-            Shape::Plane($solid) => $value,
-            Shape::Sphere($solid) => $value,
-            Shape::Cuboid($solid) => $value,
-            Shape::Cylinder($solid) if $solid.capped() => $value,
-            Shape::Cone($solid) if $solid.capped() => $value,
-            Shape::Capsule($solid) => $value,
-            Shape::Ellipsoid($solid) => $value,
-            Shape::Disc(_)
-            | Shape::Rectangle(_)
-            | Shape::Triangle(_)
-            | Shape::Cylinder(_)
-            | Shape::Cone(_)
-            | Shape::Mesh(_)
-            | Shape::Solid(_)
-            | Shape::Instances(_)
-            | Shape::Placed(_) => $other,
-        }
-    };
-}
-
 impl SolidPart {
     /// Creates the part with an index; `None` if the shape is not a simple solid.
     pub(super) fn new(shape: Shape, index: usize) -> Option<Self> {
-        if !of_simple!(shape.unplaced(), _solid => true, else false) {
+        if !of_solid!(shape.unplaced(), _solid => true, else false) {
             return None;
         }
         Some(Self {
@@ -64,29 +41,42 @@ impl SolidPart {
         })
     }
 
-    /// Returns the part of a ray's line inside, if it has a length. A ray that leaves a face begins on
-    /// it.
+    /// Returns the parts of a ray's line inside that have a length. A ray that leaves a face begins on it.
     #[inline]
-    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+    pub(super) fn spans(&self, ray: &Ray, leaving: Leaving) -> impl Iterator<Item = Span> {
         let inner = self
             .shape
             .transform()
             .map(|transform| transform.ray_back(ray));
         let along = inner.as_ref().unwrap_or(ray);
         let shape = self.shape.unplaced();
-        let span = of_simple!(shape, solid => solid.span(along, leaving), else None);
-        let mut span = span?;
-        if leaving.face.is_some() {
-            span.enter.t = span.enter.t.min(0.0);
-        }
+        let spans = of_solid!(shape, solid => solid.span(along, leaving).into(), else None.into());
+        let spans = match spans {
+            Spans::Several(spans) => spans,
+            Spans::Convex(mut span) => {
+                if let Some(span) = &mut span
+                    && leaving.face.is_some()
+                {
+                    span.enter.t = span.enter.t.min(0.0);
+                }
+                [span, None]
+            }
+        };
         let around = self.around.as_ref();
-        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
-        let has_length = span.enter.t < span.exit.t;
-        (has_length && is_near(span.enter) && is_near(span.exit)).then_some(span)
+        let is_near = move |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
+        spans.into_iter().flatten().filter(move |span| {
+            let has_length = span.enter.t < span.exit.t;
+            has_length && is_near(span.enter) && is_near(span.exit)
+        })
     }
 
-    /// Returns its parameters and the terms of its equation, which begin with its number, and its span.
-    pub(super) fn working(&self, number: usize, ray: &Ray, span: &Span) -> Vec<Vec<Term>> {
+    /// Returns its parameters and the terms of its equation, which begin with its number, and its spans.
+    pub(super) fn working(
+        &self,
+        number: usize,
+        ray: &Ray,
+        spans: impl Iterator<Item = Span>,
+    ) -> Vec<Vec<Term>> {
         let name = |name: &str| format!("part_{number}_{name}");
         let called = format!("{} {number}", self.shape.kind());
         let Working {
@@ -101,10 +91,10 @@ impl SolidPart {
                 first.symbol = format!("{called}: {}", first.symbol).into();
             }
         }
-        if span.enter.t < span.exit.t {
+        for ([enter, exit], span) in [["enter", "exit"], ["enter_2", "exit_2"]].iter().zip(spans) {
             lines.push(vec![
-                Term::number(name("enter"), format!("into {called} at t"), span.enter.t),
-                Term::number(name("exit"), format!("out of {called} at t"), span.exit.t),
+                Term::number(name(enter), format!("into {called} at t"), span.enter.t),
+                Term::number(name(exit), format!("out of {called} at t"), span.exit.t),
             ]);
         }
         lines
@@ -115,7 +105,7 @@ impl SolidPart {
         let transform = self.shape.transform();
         let point = transform.map_or(point, |transform| transform.point_back(point));
         let shape = self.shape.unplaced();
-        of_simple!(shape, solid => solid.depth(point), else f64::NEG_INFINITY)
+        of_solid!(shape, solid => solid.depth(point), else f64::NEG_INFINITY)
     }
 }
 
