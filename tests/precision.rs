@@ -6,6 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use strahl::{
     Color, Geometry, Lighting, PerspectiveCamera, Plane, Radiance, Ray, Sphere, Vec3, World,
     light::{Directional, Falloff, Light, Point},
+    shape::{Shape as AnyShape, Torus},
 };
 
 /// A number of about 106 bits: the sum of two f64, the second less than half a unit in the last
@@ -318,4 +319,183 @@ fn no_point_is_dark_or_lit_by_a_rounding_error() {
             );
         }
     }
+}
+
+/// A torus with exact numbers, and the bound of its documentation for a ray from `o`.
+struct ExactTorus {
+    center: Vector,
+    axis: Vector,
+    radius: f64,
+    tube: Double,
+    bound: f64,
+}
+
+impl ExactTorus {
+    fn new(torus: &Torus, o: Vec3) -> Self {
+        let axis = Vector::of(torus.axis());
+        Self {
+            center: Vector::of(torus.center()),
+            axis: axis.times(Double::of(1.0) / axis.length()),
+            radius: torus.radius(),
+            tube: Double::of(torus.tube_radius()),
+            bound: 64.0 * f64::EPSILON * (torus.radius() + (o - torus.center()).length()),
+        }
+    }
+
+    /// Returns the distance of a point from the surface: below 0 inside.
+    fn distance(&self, point: Vector) -> f64 {
+        let q = point - self.center;
+        let height = q.dot(self.axis);
+        let away = (q - self.axis.times(height)).length() - Double::of(self.radius);
+        ((away * away + height * height).sqrt() - self.tube).0
+    }
+
+    /// Returns the number of crossings of a line with a tube that is thicker by an amount, by Sturm's
+    /// theorem.
+    fn count(&self, o: Vector, d: Vector, thicker: f64) -> usize {
+        let (one, two, four) = (Double::of(1.0), Double::of(2.0), Double::of(4.0));
+        let unit = one / Double::of(self.radius);
+        let q = (o - self.center).times(unit);
+        let u = d.times(one / d.length());
+        let p = q - u.times(q.dot(u));
+        let (k, h, g) = (p.dot(p), p.dot(self.axis), u.dot(self.axis));
+        let tube = (self.tube + Double::of(thicker)) * unit;
+        let outer = k + one - tube * tube;
+        let quartic = [
+            outer * outer - four * (k - h * h),
+            two * four * h * g,
+            two * outer - four * (one - g * g),
+            Double::of(0.0),
+            one,
+        ];
+        let factors = [1.0, 2.0, 3.0, 4.0].map(Double::of);
+        let slope = quartic[1..].iter().zip(factors);
+        let slope = slope.map(|(one, factor)| *one * factor);
+        let mut chain = vec![quartic.to_vec(), slope.collect()];
+        while let [.., first, second] = &*chain {
+            let next = negative_rest(first.clone(), second);
+            if next.is_empty() {
+                break;
+            }
+            chain.push(next);
+        }
+        let changes = |is_low: bool| {
+            let sign = |of: &Vec<Double>| {
+                of[of.len() - 1].is_positive() ^ (is_low && of.len().is_multiple_of(2))
+            };
+            chain
+                .windows(2)
+                .filter(|two| sign(&two[0]) != sign(&two[1]))
+                .count()
+        };
+        changes(true) - changes(false)
+    }
+}
+
+/// Returns the rest of a division of polynomials, with the other sign.
+fn negative_rest(mut rest: Vec<Double>, by: &[Double]) -> Vec<Double> {
+    while rest.len() >= by.len() {
+        let shift = rest.len() - by.len();
+        let factor = rest[rest.len() - 1] / by[by.len() - 1];
+        for (at, x) in by.iter().enumerate() {
+            rest[shift + at] = rest[shift + at] - factor * *x;
+        }
+        rest.pop();
+    }
+    while rest.last().is_some_and(|last| last.0 == 0.0) {
+        rest.pop();
+    }
+    rest.into_iter().map(Neg::neg).collect()
+}
+
+/// Numbers between -1 and 1, always the same.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        // Xorshift (Marsaglia, 2003).
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 * f64::EPSILON - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+
+    fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[((self.next() + 1.0) / 2.0 * of.len() as f64) as usize]
+    }
+
+    fn power(&mut self, low: f64, high: f64) -> f64 {
+        libm::pow(10.0, low + (high - low) * (self.next() + 1.0) / 2.0)
+    }
+}
+
+#[test]
+fn a_torus_is_crossed_where_it_is_and_as_often() {
+    let mut random = Numbers(0x70_7275);
+    let (mut worst, mut counts, mut close) = (0.0, [0; 5], 0);
+    const RAYS: usize = 100_000;
+    for _ in 0..RAYS {
+        let size = [random.power(-6.0, 6.0), random.power(-100.0, 100.0)];
+        let radius = random.one(&[1.0, 1.0, size[0], size[1]]);
+        let any = (random.next() + 1.0) / 2.0;
+        let near_1 = 1.0 - random.power(-9.0, -1.0);
+        let thin = random.power(-9.0, -1.0);
+        let ratio = random.one(&[0.25, any, any, near_1, thin]);
+        let any_axis = random.vector();
+        let axis = random.one(&[Vec3::Y, Vec3::Z, any_axis, any_axis]);
+        let center = random.vector() * random.one(&[0.0, 0.0, 1.0, 100.0]) * radius;
+        let torus = Torus::new(center, axis, radius, ratio * radius).unwrap();
+        // A point on the surface, one beside it, and a way along it.
+        let (across, beside) = torus.axis().any_orthonormal_pair();
+        let turn = |angle: f64, x: Vec3, y: Vec3| x * libm::cos(angle) + y * libm::sin(angle);
+        let out = turn(4.0 * random.next(), across, beside);
+        let angle = 4.0 * random.next() * random.one(&[0.0, 1.0, 1.0]);
+        let normal = turn(angle, out, torus.axis());
+        let nudge = random.power(-14.0, 0.0) * random.next();
+        let point = center + (out + normal * ratio * (1.0 + nudge)) * radius;
+        let tangent = normal.cross(random.vector());
+        let inside = center + random.vector() * 1.2 * radius;
+        let away = radius * random.power(-2.0, 6.0);
+        let (origin, to) = match random.one(&[0, 1, 2, 3, 4]) {
+            0 => (inside, point),
+            1 => (center + random.vector() * away, point),
+            2 => (point + tangent * away, point),
+            3 => (
+                center + torus.axis() * away,
+                center + random.vector() * radius * 1e-3,
+            ),
+            _ => (center + out * away, center - out * radius),
+        };
+        let direction = (to - origin) * random.one(&[1.0, 1.0 / away, 1e3 / away]);
+        if direction.dot(direction).is_subnormal() || direction == Vec3::ZERO {
+            continue;
+        }
+        let ray = Ray::new(origin, direction);
+        let exact = ExactTorus::new(&torus, origin);
+        let (o, d) = (Vector::of(origin), Vector::of(direction));
+        let found = AnyShape::from(torus).working(&ray).solutions;
+        let found = found.unwrap_or_default();
+        for t in &found {
+            let distance = exact.distance(o + d.times(Double::of(*t))).abs();
+            worst = f64::max(worst, distance / exact.bound);
+            assert!(
+                distance <= exact.bound,
+                "{distance:e} {torus:?} {ray:?} {t}"
+            );
+        }
+        let around = [-1.0, 0.0, 1.0].map(|side| exact.count(o, d, side * exact.bound));
+        let [count, ..] = around;
+        if around == [count; 3] && exact.bound < 0.1 * torus.tube_radius() {
+            assert_eq!(found.len(), count, "{torus:?} {ray:?} {found:?}");
+            counts[count] += 1;
+        } else {
+            close += 1;
+        }
+    }
+    println!("{worst} of the bound; {counts:?}; {close} too close");
+    assert!(counts.iter().sum::<usize>() > RAYS / 2);
 }

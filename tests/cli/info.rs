@@ -304,7 +304,7 @@ fn info_lists_the_contents_of_a_scene() {
         "columns": ["x", "y", "z", "radius"],
     });
     let geometries = json!({"total": 6, "planes": 1, "spheres": 2, "discs": 0, "rectangles": 0, "triangles": 0, "boxes": 0,
-        "cylinders": 0, "cones": 0, "capsules": 0, "ellipsoids": 0, "meshes": 0, "solids": 0, "tables": [table],
+        "cylinders": 0, "cones": 0, "capsules": 0, "ellipsoids": 0, "toruses": 0, "meshes": 0, "solids": 0, "tables": [table],
         "parts": []});
     assert_eq!(info["geometries"], geometries);
     let (min, max) = (

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::support::{Folder, run};
 
 /// A geometry, a setting that moves it, and a term of its equation.
-const SHAPES: [(&str, &str, &str); 8] = [
+const SHAPES: [(&str, &str, &str); 9] = [
     (
         "Rectangle(corner: (-1, -1, -4), edge_u: (2, 0, 0), edge_v: (0, 2, 0)",
         "corner=(-0.5, 0, -4)",
@@ -42,6 +42,11 @@ const SHAPES: [(&str, &str, &str); 8] = [
         "Ellipsoid(center: (0, 0, -5), axes: [(2, 0, 0), (0, 1, 0), (0, 0, 1)]",
         "axes[1]=(0, 0.01, 0)",
         "discriminant",
+    ),
+    (
+        "Torus(center: (1, 0, -5), axis: (0, 0.2, 1), radius: 1, tube_radius: 0.5",
+        "tube_radius=0.01",
+        "alpha",
     ),
     (
         "Mesh(vertices: [(-2, -1, -4), (2, -1, -4), (0, 2, -4), (0, 0, -9)], \
@@ -101,7 +106,7 @@ fn each_shape_is_explained_counted_and_set() {
         assert!(!terms[term].is_null(), "{terms}");
         assert_eq!(pixel["hit"]["index"], json!(0), "{pixel}");
         assert_eq!(pixel["hit"]["t"], terms["t"]);
-        let has_face = !["Rectangle", "Triangle", "Ellipsoid"].contains(&name);
+        let has_face = !["Rectangle", "Triangle", "Ellipsoid", "Torus"].contains(&name);
         assert_eq!(pixel["hit"]["face"].is_u64(), has_face, "{pixel}");
         let explained = text(&folder, &["pixel", "scene.ron", "16,12"]);
         assert!(
@@ -113,6 +118,7 @@ fn each_shape_is_explained_counted_and_set() {
         let plural = match name {
             "Box" => "boxes".to_owned(),
             "Mesh" => "meshes".to_owned(),
+            "Torus" => "toruses".to_owned(),
             name => format!("{}s", name.to_lowercase()),
         };
         assert_eq!(info["geometries"][&plural], json!(1), "{info}");

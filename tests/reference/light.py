@@ -215,19 +215,19 @@ class Solid:
         self.is_open = fields.get("capped") is False
 
     def roots(self, o, d, own):
-        both = np.full((2, len(o)), np.nan)
+        both = np.full((4, len(o)), np.nan)
         for row in range(len(o)):
             span = self.span(tuple(map(float, o[row])), tuple(map(float, d[row])))
             if span:
-                both[:, row] = [math.nan if at is None else at[0] for at in span]
+                both[: len(span), row] = [math.nan if at is None else at[0] for at in span]
         # A ray leaves from the end that is nearest to its start: it does not meet that one again,
-        # nor the other one unless it comes out there.
+        # nor the other one of a convex shape unless it comes out there.
         far = np.nan_to_num(np.abs(both), nan=math.inf)
         left = far.argmin(axis=0)
         both[left[own], np.flatnonzero(own)] = np.nan
-        if not self.is_open:
+        if not self.is_open and self.name != "Torus":
             both[0, own] = np.nan
-        return [positive(both[0]), positive(both[1])]
+        return [positive(t) for t in both]
 
     def normal(self, p, d):
         return units(np.array([self.normal_at(point) for point in p]).reshape(-1, 3))
@@ -243,6 +243,10 @@ class Solid:
             squared = (axes * axes).sum(axis=1)
             along = (axes @ (p - fields["center"])) / squared
             return (along / squared) @ axes
+        if self.name == "Torus":
+            w, q = units(fields["axis"]), p - fields["center"]
+            across = q - (q @ w) * w
+            return q - self.fields["radius"] * units(across)
         along = fields["to"] - fields["from"]
         tall = math.sqrt(along @ along)
         w = along / tall
@@ -325,9 +329,9 @@ class Whole:
         return name, bare | {"of": of, "minus": [operand(each, not is_cut) for each in fields["minus"]]}
 
     def ends(self, o, d):
-        """Returns the two t at which each ray may cross each part where the whole ends."""
+        """Returns the t at which each ray may cross each part where the whole ends, at most four."""
         if self.last is None or self.last[0] is not o or self.last[1] is not d:
-            found = np.full((len(self.parts), 2, len(o)), np.nan)
+            found = np.full((len(self.parts), 4, len(o)), np.nan)
             for row in range(len(o)):
                 spans = self.intervals(tuple(map(float, o[row])), tuple(map(float, d[row])), None)
                 for t, number in (end for span in spans for end in span):

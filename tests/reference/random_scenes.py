@@ -191,7 +191,7 @@ class Scenes:
     def shape(self, scale):
         """Returns a shape that is neither a sphere nor flat and round."""
         color = {"color": self.color()}
-        kinds = ["Rectangle", "Triangle", "Box", "Cylinder", "Cone", "Capsule", "Ellipsoid", "Mesh"]
+        kinds = ["Rectangle", "Triangle", "Box", "Cylinder", "Cone", "Capsule", "Ellipsoid", "Torus", "Mesh"]
         name = self.random.choice(kinds)
         if name == "Triangle":
             return name, {corner: self.point(scale) for corner in "abc"} | color
@@ -217,6 +217,11 @@ class Scenes:
             axes = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
             axes = [[x * length for x in axis] for axis in axes for length in [self.length(scale)]]
             return name, {"center": self.point(scale), "axes": axes} | color
+        if name == "Torus":
+            radius = self.length(scale)
+            tube = radius * self.random.choice((0.1, 0.5, 0.9, 1.0 + 0.5 * self.chance(0.5)))
+            place = {"center": self.point(scale), "axis": self.direction()}
+            return name, place | {"radius": radius, "tube_radius": tube} | color
         fields = {"from": self.point(scale), "to": self.point(scale), "radius": self.length(scale)}
         if name == "Cone" and self.chance(0.5):
             fields["top_radius"] = self.random.choice((0.0, fields["radius"], self.length(scale)))

@@ -190,6 +190,55 @@ def ellipsoid(fields):
     return span, normal
 
 
+def torus(fields):
+    center, w = vector(fields["center"]), unit(vector(fields["axis"]))
+    ring, tube = fields["radius"], fields["tube_radius"]
+    ratio = tube / ring
+
+    def span(o, d):
+        q, squared = subtract(o, center), dot(d, d)
+        if not 0.0 < squared < math.inf:
+            return None
+        length = root(squared)
+        middle = -dot(q, d) / squared
+        p = tuple(x / ring for x in add(q, scaled(d, middle)))
+        u = tuple(x / length for x in d)
+        k, h, g = dot(p, p), dot(p, w), dot(u, w)
+        if not k < 4.0:
+            return None
+        outer = k + 1.0 - ratio * ratio
+        quartic = [1.0, 0.0, 2.0 * outer - 4.0 * (1.0 - g * g), 8.0 * h * g]
+        quartic.append(outer * outer - 4.0 * (k - h * h))
+        found = sorted(z.real for z in zeros(quartic) if abs(z.imag) < 1e-7)
+        return [(middle + s * (ring / length), 0) for s in found]
+
+    def normal(face, o, d, t):
+        p = add(subtract(o, center), scaled(d, t))
+        across = subtract(p, scaled(w, dot(p, w)))
+        return unit(subtract(p, scaled(unit(across), ring)))
+
+    return span, normal
+
+
+def zeros(polynomial):
+    """Returns all zeros of a polynomial by the method of Durand and Kerner."""
+    found = [(0.4 + 0.9j) ** power for power in range(len(polynomial) - 1)]
+    for _ in range(200):
+        most = 0.0
+        for at, z in enumerate(found):
+            value = 0.0
+            for factor in polynomial:
+                value = value * z + factor
+            for other, zero in enumerate(found):
+                if other != at:
+                    value /= z - zero or 1e-300
+            found[at] = z - value
+            most = max(most, abs(value))
+        if most < 1e-16:
+            break
+    return found
+
+
 def edges(corners, o, d):
     """Returns the t at which a line meets a triangle, or None."""
     at = shares(corners, o, d)
@@ -278,6 +327,7 @@ SOLIDS = {
     "Cone": cone,
     "Capsule": capsule,
     "Ellipsoid": ellipsoid,
+    "Torus": torus,
 }
 
 
@@ -344,6 +394,11 @@ def refusal(name, fields):
         corners = [corner for corners in fields["triangles"] for corner in corners]
         if any(corner >= len(fields["vertices"]) for corner in corners):
             return "out-of-range"
+    if name == "Torus":
+        if not 0.0 < fields["tube_radius"] < fields["radius"]:
+            return "out-of-range"
+        if bad(vector(fields["axis"])):
+            return "zero-vector"
     if name == "Ellipsoid":
         axes = [vector(axis) for axis in fields["axes"]]
         if any(bad(axis) for axis in axes):

@@ -93,10 +93,9 @@ def simple(name, fields):
     back = evaluate.ray_back(fields["placed"]) if "placed" in fields else lambda o, d: (o, d)
 
     def intervals(o, d, color):
-        ends = span(*back(o, d))
-        if ends is None or not ends[0][0] < ends[1][0]:
-            return []
-        return [((ends[0][0], color), (ends[1][0], color))]
+        ends = [t for t, _ in span(*back(o, d)) or ()]
+        pairs = zip(ends[::2], ends[1::2])
+        return [((enter, color), (leave, color)) for enter, leave in pairs if enter < leave]
 
     return intervals
 

@@ -136,7 +136,7 @@ fn numbers(document: Text<'_>, id: NodeId) -> Option<[f64; 3]> {
 /// Names of what only other programs have, in lower case, with the nearest way here.
 const ABSENT: &[(&str, &str)] = &[
     (
-        "torus prism lathe heightfield height_field blob bicubic_patch nurbs isosurface text superellipsoid \
+        "prism lathe heightfield height_field blob bicubic_patch nurbs isosurface text superellipsoid \
          julia_fractal sor",
         "this shape is not supported; export it as a PLY, OBJ or STL file and use `Mesh(file: …)`",
     ),

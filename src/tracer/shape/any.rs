@@ -21,6 +21,7 @@ use crate::tracer::{
         rectangle::Rectangle,
         solid::{Operation, Solid},
         sphere::Sphere,
+        torus::Torus,
         triangle::Triangle,
     },
     transform::Transform,
@@ -39,8 +40,8 @@ pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, Geom
 
 /// The same without copies.
 fn one(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
-    match rng.below(21) {
-        18.. => placed(rng, center, size),
+    match rng.below(22) {
+        19.. => placed(rng, center, size),
         0..8 => Sphere::new(center, size).map(Shape::from),
         8 => {
             let normal = direction(rng);
@@ -84,6 +85,16 @@ fn one(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> 
         16 => {
             let solid = solid(rng, center, size);
             or_sphere(solid, center, size)
+        }
+        17 => {
+            let (axis, thin) = (direction(rng), rng.magnitude(-3.0, 0.0));
+            let ratio = rng.one(&[0.25, 0.5, thin, 1.0 - 1e-2 * thin]);
+            let radius = size / (1.0 + ratio);
+            or_sphere(
+                Torus::new(center, axis, radius, ratio * radius),
+                center,
+                size,
+            )
         }
         _ => {
             let a = direction(rng).normalize_or(DVec3::X);

@@ -26,6 +26,7 @@ pub(crate) mod span;
 pub(crate) mod sphere;
 #[cfg(test)]
 mod tests;
+pub(crate) mod torus;
 pub(crate) mod triangle;
 pub(crate) mod working;
 
@@ -42,6 +43,7 @@ pub use self::{
     placed::Placed,
     rectangle::Rectangle,
     solid::{Operation, Solid},
+    torus::Torus,
     triangle::Triangle,
 };
 pub use crate::tracer::transform::Transform;
@@ -226,6 +228,8 @@ shapes! {
     Capsule(Arc<Capsule>) = "capsule",
     /// An ellipsoid.
     Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
+    /// A torus.
+    Torus(Arc<Torus>) = "torus",
     /// Triangles that share their corners.
     Mesh(Arc<Mesh>) = "mesh",
     /// The union, the intersection or the difference of solids.
@@ -248,6 +252,7 @@ macro_rules! of_solid {
             Shape::Cone($solid) if $solid.capped() => $value,
             Shape::Capsule($solid) => $value,
             Shape::Ellipsoid($solid) => $value,
+            Shape::Torus($solid) => $value,
             Shape::Disc(_)
             | Shape::Rectangle(_)
             | Shape::Triangle(_)
@@ -393,7 +398,7 @@ impl Shape {
 
     /// Returns true if the shape is a solid that holds all between two of its points.
     pub(crate) fn is_convex(&self) -> bool {
-        of_solid!(self.unplaced(), _solid => true, else false)
+        of_solid!(self.unplaced(), _solid => !matches!(self.unplaced(), Self::Torus(_)), else false)
     }
 
     /// Returns true if the shape is flat.

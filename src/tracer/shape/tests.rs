@@ -19,6 +19,7 @@ use crate::tracer::{
         plane::Plane,
         rectangle::Rectangle,
         solid::{Operation, Solid},
+        torus::Torus,
         triangle::Triangle,
     },
     vector::unit,
@@ -123,7 +124,7 @@ fn is_closed(shape: &Shape) -> bool {
             back.into_iter().all(|back| back * map.stretch() < 1e5) && is_closed(placed.shape())
         }
         // A ray that leaves a hollow, or a copy, may meet another side.
-        Shape::Mesh(_) | Shape::Solid(_) | Shape::Instances(_) => false,
+        Shape::Torus(_) | Shape::Mesh(_) | Shape::Solid(_) | Shape::Instances(_) => false,
         shape => !shape.is_flat(),
     }
 }
@@ -442,6 +443,9 @@ fn impossible_shapes_are_refused() {
     assert!(Ellipsoid::new(o, [x, y, o]).is_err());
     assert!(Ellipsoid::new(o, [x, y + 1e-3 * x, DVec3::Z]).is_err());
     assert!(Ellipsoid::new(o, [x, y + 1e-7 * x, DVec3::Z]).is_ok());
+    assert!(Torus::new(o, o, 2.0, 1.0).is_err());
+    assert!(Torus::new(o, x, 2.0, 0.0).is_err());
+    assert!(Torus::new(o, x, 2.0, 2.0).is_err());
 }
 
 #[test]

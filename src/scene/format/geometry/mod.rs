@@ -19,6 +19,7 @@ pub(crate) mod rectangle;
 pub(crate) mod solid;
 pub(crate) mod sphere;
 pub(crate) mod table;
+pub(crate) mod torus;
 pub(crate) mod triangle;
 
 pub use self::{
@@ -37,6 +38,7 @@ pub use self::{
     solid::{DifferenceModel, IntersectionModel, UnionModel},
     sphere::SphereModel,
     table::{CylindersModel, SpheresModel},
+    torus::TorusModel,
     triangle::TriangleModel,
 };
 
@@ -85,6 +87,8 @@ variants! {
         Capsule(Box<CapsuleModel>) | CapsuleGeometry,
         /// An ellipsoid.
         Ellipsoid(Box<EllipsoidModel>),
+        /// A torus: a round tube that is bent to a ring.
+        Torus(Box<TorusModel>) | TorusGeometry,
         /// A triangle mesh, seen from both sides.
         Mesh(Box<MeshModel>) | TriangleMesh,
         /// Many spheres from a table, a file beside the scene: one in each row.
@@ -128,6 +132,7 @@ macro_rules! of_each {
             GeometryModel::Cone($model) => $value,
             GeometryModel::Capsule($model) => $value,
             GeometryModel::Ellipsoid($model) => $value,
+            GeometryModel::Torus($model) => $value,
             GeometryModel::Mesh($model) => $value,
             GeometryModel::Spheres($model) => $value,
             GeometryModel::Cylinders($model) => $value,
