@@ -208,12 +208,8 @@ impl Reader<'_> {
         let ring = self.cache.chain.iter().skip(start).chain(chain);
         let ring: Vec<_> = ring.map(|file| quote(&file.written)).collect();
         let message = format!("a part of itself: {}", ring.join(" → "));
-        let problem = Problem::new(
-            Code::PartRing,
-            place.variant.field("file"),
-            Focus::Value,
-            message,
-        );
+        let place = place.variant.field("file");
+        let problem = Problem::new(Code::PartRing, place, Focus::Value, message);
         problem.help("remove one of the parts in this ring")
     }
 

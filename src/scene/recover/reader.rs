@@ -160,55 +160,48 @@ impl<'a, 'p> Reader<'a, 'p> {
         diagnostic
     }
 
-    /// The source of a number, if there is one.
-    fn number(&self, expected: &str) -> Option<(NodeId, &'a str)> {
+    /// Returns a number as `read` reads it, and `most` for one beyond its range; reports all else.
+    fn number<T>(
+        &self,
+        expected: &str,
+        most: T,
+        read: impl Fn(&str, Syntax) -> Result<T, NumberError>,
+    ) -> Option<T> {
         let id = self.node_of(expected, Wants::Number, |kind| kind == NodeKind::Number)?;
-        Some((id, self.document.source(id)))
-    }
-
-    /// Returns an integer; the largest u32 for one that is negative or larger, which is in the range of
-    /// none and which validation reports.
-    fn integer(&self) -> u32 {
-        const EXPECTED: &str = "a whole number";
-        let Some((id, source)) = self.number(EXPECTED) else {
-            return self.integer_stand_in();
-        };
-        match whole(source, self.syntax()) {
-            Ok(number) if !number.fits_its_suffix() => u32::MAX,
-            Ok(number) => number.value.try_into().unwrap_or(u32::MAX),
-            Err(NumberError::OutOfRange) => u32::MAX,
+        match read(self.document.source(id), self.syntax()) {
+            Ok(number) => Some(number),
+            Err(NumberError::OutOfRange) => Some(most),
             Err(NumberError::OtherType | NumberError::Malformed) => {
-                let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
+                let diagnostic = self.document.wrong_type(id, &self.path, expected);
                 self.document.replace(id, diagnostic);
-                self.integer_stand_in()
+                None
             }
         }
     }
 
-    /// Returns the stand-in for an integer: 1, which is in the range of all fields. A corner of a mesh
-    /// becomes one that no vertex has, so that the area of its triangle is not checked.
-    const fn integer_stand_in(&self) -> u32 {
-        match self.path {
+    /// Returns an integer; the largest u32 for one that is negative or larger, which is in the range of
+    /// none and which validation reports. The stand-in is 1, which is in the range of all fields. A
+    /// corner of a mesh becomes one that no vertex has, so that the area of its triangle is not checked.
+    fn integer(&self) -> u32 {
+        let read = |source: &str, syntax| {
+            let number = whole(source, syntax)?;
+            let value = number.value.try_into().ok();
+            Ok(value
+                .filter(|_| number.fits_its_suffix())
+                .unwrap_or(u32::MAX))
+        };
+        let stand_in = match self.path {
             Trail::Inside(_, Step::Index(_)) => u32::MAX,
             Trail::Inside(..) | Trail::Root => 1,
-        }
+        };
+        self.number("a whole number", u32::MAX, read)
+            .unwrap_or(stand_in)
     }
 
     /// Returns a float; infinite if it is too large, which validation reports.
     fn float(&self) -> f64 {
-        const EXPECTED: &str = "a number";
-        let Some((id, source)) = self.number(EXPECTED) else {
-            return NO_NUMBER;
-        };
-        match float(source, self.syntax()) {
-            Ok(number) => number,
-            Err(NumberError::OutOfRange) => f64::INFINITY,
-            Err(NumberError::OtherType | NumberError::Malformed) => {
-                let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
-                self.document.replace(id, diagnostic);
-                NO_NUMBER
-            }
-        }
+        self.number("a number", f64::INFINITY, float)
+            .unwrap_or(NO_NUMBER)
     }
 
     /// Returns the elements of a tuple or a list, with the expected `length` if known.

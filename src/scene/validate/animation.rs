@@ -38,12 +38,8 @@ fn path_of_orbit() -> Path {
 /// Returns the problem of a track that moves an orbiting camera.
 fn against_orbit(path: &str) -> Problem {
     let message = "`orbit` changes this as well: it turns all cameras";
-    let problem = Problem::new(
-        Code::DuplicateField,
-        path_of_track(path),
-        Focus::Key,
-        message,
-    );
+    let place = path_of_track(path);
+    let problem = Problem::new(Code::DuplicateField, place, Focus::Key, message);
     let problem = problem.help("remove one of the two; `fov` and `scale` may change in an orbit");
     problem.label(path_of_orbit(), Focus::Key, "the orbit")
 }

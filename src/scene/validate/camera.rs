@@ -86,12 +86,8 @@ impl Found {
                     "use other units, or move the geometries nearer to the origin",
                 ),
             };
-            let problem = Problem::new(
-                Code::CannotFit,
-                Model::path_of_camera(name),
-                Focus::Name,
-                message,
-            );
+            let place = Model::path_of_camera(name);
+            let problem = Problem::new(Code::CannotFit, place, Focus::Name, message);
             self.push(problem.help(help));
         }
     }

@@ -118,12 +118,8 @@ impl Found {
             let message = format!("equal to `{place}`{named}, which hides it");
             // Tracks refer to geometries by index, so a removal would shift them.
             let is_needless = frames.is_none() && geometry.name().is_none();
-            let problem = Problem::new(
-                Code::DuplicateGeometry,
-                model.path_of(at),
-                Focus::Name,
-                message,
-            );
+            let own = model.path_of(at);
+            let problem = Problem::new(Code::DuplicateGeometry, own, Focus::Name, message);
             self.push(
                 problem
                     .help("remove one of the two; at equal distance the first is visible")

@@ -26,13 +26,8 @@ impl Found {
         for (name, material) in model.materials.iter().flat_map(|materials| &materials.0) {
             let path = Path::ROOT.field("materials").key(name);
             if name.is_empty() {
-                let message = "an empty string is not a name";
-                self.push(Problem::new(
-                    Code::InvalidName,
-                    path.clone(),
-                    Focus::Key,
-                    message,
-                ));
+                let (place, message) = (path.clone(), "an empty string is not a name");
+                self.push(Problem::new(Code::InvalidName, place, Focus::Key, message));
             }
             if material.named().is_some() {
                 let message = "a material in `materials` cannot be a name itself";

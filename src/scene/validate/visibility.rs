@@ -36,12 +36,8 @@ impl Found {
         for (name, _) in blind(model, tables, frames, cancel) {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
-            let problem = Problem::new(
-                Code::NothingVisible,
-                Model::path_of_camera(name),
-                Focus::Name,
-                message,
-            );
+            let place = Model::path_of_camera(name);
+            let problem = Problem::new(Code::NothingVisible, place, Focus::Name, message);
             let help = "the picture is all background: point the camera at a geometry with \
                         `look_at`, or move one in front of it";
             self.push(problem.help(help));

@@ -197,11 +197,7 @@ impl Model {
             geometry = child.geometry;
             placement = placement.within(geometry.transform());
         }
-        Some(Leaf {
-            at,
-            geometry,
-            placement,
-        })
+        Some(Leaf::new(at, geometry, placement))
     }
 
     /// Returns the meshes that are in files of their own.
@@ -317,7 +313,16 @@ pub(crate) struct Leaf<'m> {
     pub(crate) placement: Placement,
 }
 
-impl Leaf<'_> {
+impl<'m> Leaf<'m> {
+    #[inline]
+    const fn new(at: Ordinal, geometry: &'m GeometryModel, placement: Placement) -> Self {
+        Self {
+            at,
+            geometry,
+            placement,
+        }
+    }
+
     /// Returns the shape in the scene, if it is a valid one; `None` for a table and a part.
     #[inline]
     pub(crate) fn shape(&self) -> Option<Shape> {
@@ -391,11 +396,8 @@ impl<'m> Iterator for Leaves<'m> {
             }
             let (index, geometry) = self.0.list.next()?;
             if geometry.group().is_none() {
-                return Some(Leaf {
-                    at: index.into(),
-                    geometry,
-                    placement: Placement::default().within(geometry.transform()),
-                });
+                let placement = Placement::default().within(geometry.transform());
+                return Some(Leaf::new(index.into(), geometry, placement));
             }
             self.0.inside = Some(Descent::into(geometry, index));
         }
@@ -476,11 +478,11 @@ impl<'m> Descent<'m> {
                 self.enter(geometry);
                 continue;
             }
-            let leaf = Leaf {
-                at: self.at,
+            let leaf = Leaf::new(
+                self.at,
                 geometry,
-                placement: self.placement().within(geometry.transform()),
-            };
+                self.placement().within(geometry.transform()),
+            );
             self.at.inner += geometry.total() - 1;
             return (Some(leaf), Some(self));
         }
