@@ -4,10 +4,13 @@ use std::fmt;
 
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error as _, SeqAccess, Unexpected, Visitor},
+    de::{SeqAccess, Unexpected, Visitor},
 };
 
-use crate::{scene::format::field::Triple, tracer::color::Color};
+use crate::{
+    scene::format::{field::Triple, transform::elements},
+    tracer::color::Color,
+};
 
 /// A color: three numbers in 0..1, or a string `"#rrggbb"` or `"#rgb"`.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,14 +89,8 @@ impl<'de> Deserialize<'de> for ColorModel {
                 Err(E::invalid_type(Unexpected::Char(letter), &self))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<ColorModel, A::Error> {
-                let mut channels = Triple::default();
-                for (index, channel) in channels.iter_mut().enumerate() {
-                    *channel = seq
-                        .next_element()?
-                        .ok_or_else(|| A::Error::invalid_length(index, &self))?;
-                }
-                Ok(ColorModel::Channels(channels))
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<ColorModel, A::Error> {
+                elements(seq, &self).map(ColorModel::Channels)
             }
         }
 

@@ -159,7 +159,13 @@ impl<'de> Deserialize<'de> for MatrixModel {
 }
 
 /// Reads the elements of an array.
-fn elements<'de, A: SeqAccess<'de>, T: Deserialize<'de> + Default + Copy, const N: usize>(
+#[inline]
+pub(crate) fn elements<
+    'de,
+    A: SeqAccess<'de>,
+    T: Deserialize<'de> + Default + Copy,
+    const N: usize,
+>(
     mut seq: A,
     expected: &dyn serde::de::Expected,
 ) -> Result<[T; N], A::Error> {

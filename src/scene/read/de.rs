@@ -13,7 +13,7 @@ use serde::{
 
 use super::{
     list,
-    reader::{Brackets, Reader, Result, Unknown},
+    reader::{Brackets, Misfit, Reader, Result},
 };
 use crate::scene::format::scene::Model;
 
@@ -25,7 +25,7 @@ const DEEPEST: u32 = 32;
 macro_rules! unknown {
     ($($method:ident($($argument:ty),*))*) => {
         $(fn $method<V: Visitor<'de>>(self, $(_: $argument,)* _visitor: V) -> Result<V::Value> {
-            Err(Unknown)
+            Err(Misfit)
         })*
     };
 }
@@ -33,7 +33,7 @@ macro_rules! unknown {
 macro_rules! unsigned {
     ($($method:ident)*) => {
         $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
-            visitor.visit_u64(self.number()?.unsigned().ok_or(Unknown)?)
+            visitor.visit_u64(self.number()?.unsigned().ok_or(Misfit)?)
         })*
     };
 }
@@ -48,7 +48,7 @@ impl<'de, const RON: bool> Reader<'de, RON> {
 }
 
 impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
-    type Error = Unknown;
+    type Error = Misfit;
 
     /// Reads a string or a tuple, or a number or a tuple: the only choices in the format.
     #[inline]
@@ -68,7 +68,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         } else if self.take_word("false") {
             visitor.visit_bool(false)
         } else {
-            Err(Unknown)
+            Err(Misfit)
         }
     }
 
@@ -77,7 +77,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     #[inline]
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let number = self.number()?;
-        visitor.visit_f64(number.float(self.text).ok_or(Unknown)?)
+        visitor.visit_f64(number.float(self.text).ok_or(Misfit)?)
     }
 
     #[inline]
@@ -127,7 +127,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         visitor: V,
     ) -> Result<V::Value> {
         if RON && !self.sees(Reader::<RON>::STRUCT.0) && !self.take_word(name) {
-            return Err(Unknown);
+            return Err(Misfit);
         }
         self.fields(Reader::<RON>::STRUCT, visitor)
     }
@@ -147,7 +147,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
             return visitor.visit_enum(BorrowedStrDeserializer::new(self.string()?));
         }
         if self.depth == DEEPEST {
-            return Err(Unknown);
+            return Err(Misfit);
         }
         self.depth += 1;
         if RON {
@@ -241,7 +241,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
         } else if self.reader.peek() == self.close {
             Ok(false)
         } else {
-            Err(Unknown)
+            Err(Misfit)
         }
     }
 
@@ -256,7 +256,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
 }
 
 impl<'de, const RON: bool> SeqAccess<'de> for &mut Items<'_, 'de, RON> {
-    type Error = Unknown;
+    type Error = Misfit;
 
     #[inline(always)]
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>> {
@@ -269,7 +269,7 @@ impl<'de, const RON: bool> SeqAccess<'de> for &mut Items<'_, 'de, RON> {
 }
 
 impl<'de, const RON: bool> MapAccess<'de> for &mut Items<'_, 'de, RON> {
-    type Error = Unknown;
+    type Error = Misfit;
 
     #[inline]
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>> {
@@ -297,7 +297,7 @@ impl<'de, const RON: bool> MapAccess<'de> for &mut Items<'_, 'de, RON> {
 struct Variant<'r, 'de, const RON: bool>(&'r mut Reader<'de, RON>);
 
 impl<'de, const RON: bool> EnumAccess<'de> for Variant<'_, 'de, RON> {
-    type Error = Unknown;
+    type Error = Misfit;
     type Variant = Self;
 
     #[inline]
@@ -312,17 +312,17 @@ impl<'de, const RON: bool> EnumAccess<'de> for Variant<'_, 'de, RON> {
 }
 
 impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
-    type Error = Unknown;
+    type Error = Misfit;
 
     fn unit_variant(self) -> Result<()> {
-        if RON { Ok(()) } else { Err(Unknown) }
+        if RON { Ok(()) } else { Err(Misfit) }
     }
 
     #[inline]
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value> {
         // The name of a variant is not followed by a struct name.
         if RON && !self.0.sees(Reader::<RON>::STRUCT.0) {
-            return Err(Unknown);
+            return Err(Misfit);
         }
         if RON && self.0.begins_value() {
             return self.0.in_brackets(seed);
@@ -331,7 +331,7 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _length: usize, _visitor: V) -> Result<V::Value> {
-        Err(Unknown)
+        Err(Misfit)
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -339,6 +339,6 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
         _fields: &'static [&'static str],
         _visitor: V,
     ) -> Result<V::Value> {
-        Err(Unknown)
+        Err(Misfit)
     }
 }

@@ -13,7 +13,7 @@ use std::{
 use serde::Deserialize;
 
 use super::{
-    reader::{Reader, Result, Unknown},
+    reader::{Misfit, Reader, Result},
     source::BLOCK,
 };
 use crate::{parallel::Pool, scene::format::geometry::GeometryModel};
@@ -54,7 +54,7 @@ pub(super) fn geometries<const RON: bool>(
     }
     reader.skip_blank();
     let start = reader.at;
-    let text = reader.text.get(start..).ok_or(Unknown)?;
+    let text = reader.text.get(start..).ok_or(Misfit)?;
     let pool = reader.pool.unwrap_or(&Pool::Calling);
     if let Some(source) = reader.source {
         let blocks = source.blocks(text, guess::<RON>);
@@ -80,7 +80,7 @@ pub(super) fn geometries<const RON: bool>(
     let mut all = Vec::new();
     match read_block::<RON>(text, usize::MAX, &mut all)? {
         End::List(at) => reader.at = start + at,
-        End::Geometry(_) => return Err(Unknown),
+        End::Geometry(_) => return Err(Misfit),
     }
     Ok(all)
 }
@@ -124,7 +124,7 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
         lock().push(part);
         match end? {
             End::Geometry(at) if at == block.as_ref().len() => list.filled += at,
-            End::Geometry(_) => return Err(Unknown),
+            End::Geometry(_) => return Err(Misfit),
             End::List(at) => {
                 list.end = at;
                 list.rest.push(block);
@@ -133,7 +133,7 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
         Ok(())
     })?;
     if list.rest.is_empty() {
-        Err(Unknown)
+        Err(Misfit)
     } else {
         Ok(list)
     }
@@ -159,7 +159,7 @@ fn read_block<const RON: bool>(
             return Ok(End::List(reader.at));
         }
         if !comma {
-            return Err(Unknown);
+            return Err(Misfit);
         }
         reader.skip_blank();
         if reader.at >= stop {
@@ -257,7 +257,7 @@ mod tests {
                         assert!(!traps && all == whole);
                         assert_eq!(&reader.text[reader.at..], " x");
                     }
-                    Err(Unknown) => assert!(traps),
+                    Err(Misfit) => assert!(traps),
                 }
             }
         }

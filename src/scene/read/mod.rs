@@ -11,7 +11,7 @@
 
 mod de;
 mod list;
-mod reader;
+pub(crate) mod reader;
 mod source;
 
 use std::fs::File;

@@ -13,25 +13,25 @@ use crate::{
     text::syntax::{Decimal, block_comment, line_comment},
 };
 
-/// An item unknown to this reader, not necessarily wrong.
+/// An item that does not fit; for this reader one that it does not know, not necessarily wrong.
 #[derive(Debug)]
-pub(super) struct Unknown;
+pub(crate) struct Misfit;
 
-impl fmt::Display for Unknown {
+impl fmt::Display for Misfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("unknown")
+        f.write_str("the value does not fit")
     }
 }
 
-impl std::error::Error for Unknown {}
+impl std::error::Error for Misfit {}
 
-impl de::Error for Unknown {
+impl de::Error for Misfit {
     fn custom<T: fmt::Display>(_message: T) -> Self {
         Self
     }
 }
 
-pub(super) type Result<T> = std::result::Result<T, Unknown>;
+pub(crate) type Result<T> = std::result::Result<T, Misfit>;
 
 /// An opening and a closing bracket.
 pub(super) type Brackets = (u8, u8);
@@ -154,11 +154,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
 
     #[inline(always)]
     pub(super) fn expect(&mut self, byte: u8) -> Result<()> {
-        if self.take(byte) {
-            Ok(())
-        } else {
-            Err(Unknown)
-        }
+        if self.take(byte) { Ok(()) } else { Err(Misfit) }
     }
 
     /// Skips white space and returns true if a byte comes next.
@@ -211,20 +207,20 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         if RON && self.peek() != b'"' {
             let rest = self.text.as_bytes().get(self.at..).unwrap_or_default();
             let ends = |byte: &u8| matches!(byte, b'"' | b'\\');
-            self.at += rest.iter().position(ends).ok_or(Unknown)?;
+            self.at += rest.iter().position(ends).ok_or(Misfit)?;
         }
         if self.peek() != b'"' {
-            return Err(Unknown);
+            return Err(Misfit);
         }
         self.at += 1;
-        self.text.get(start..self.at - 1).ok_or(Unknown)
+        self.text.get(start..self.at - 1).ok_or(Misfit)
     }
 
     /// Reads a number. Inlined, because returning it through memory would stall.
     #[inline(always)]
     pub(super) fn number(&mut self) -> Result<Decimal> {
         self.skip_blank();
-        let number = Decimal::scan(self.text, self.at).ok_or(Unknown)?;
+        let number = Decimal::scan(self.text, self.at).ok_or(Misfit)?;
         self.at = number.end;
         Ok(number)
     }

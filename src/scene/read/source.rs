@@ -8,7 +8,7 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use super::reader::{Result, Unknown};
+use super::reader::{Misfit, Result};
 
 /// The minimum size of a block, followed by its small surplus.
 pub(super) const BLOCK: usize = if cfg!(test) { 1 << 7 } else { 1 << 18 };
@@ -40,7 +40,7 @@ impl<'f> Source<'f> {
     pub(super) fn new(mut file: &'f File, length: usize) -> Result<Self> {
         let mut head = Vec::new();
         let read = file.by_ref().take(HEAD).read_to_end(&mut head);
-        read.map_err(|_| Unknown)?;
+        read.map_err(|_| Misfit)?;
         // The last character may be incomplete.
         let end = std::str::from_utf8(&head).map_or_else(|error| error.valid_up_to(), str::len);
         let beyond = head.split_off(end);
@@ -124,7 +124,7 @@ impl<'s> Blocks<'s> {
         loop {
             self.bytes.reserve(BLOCK + MORE);
             let mut block = self.file.take(BLOCK as u64);
-            let read = block.read_to_end(&mut self.bytes).map_err(|_| Unknown)?;
+            let read = block.read_to_end(&mut self.bytes).map_err(|_| Misfit)?;
             self.ended = read < BLOCK;
             if self.ended {
                 return text(mem::take(&mut self.bytes));
@@ -160,9 +160,9 @@ impl<'s> Iterator for Blocks<'s> {
 /// Converts bytes to text; rejects NUL, which no scene contains.
 fn text(bytes: Vec<u8>) -> Result<String> {
     if bytes.contains(&0) {
-        return Err(Unknown);
+        return Err(Misfit);
     }
-    String::from_utf8(bytes).map_err(|_| Unknown)
+    String::from_utf8(bytes).map_err(|_| Misfit)
 }
 
 #[cfg(test)]

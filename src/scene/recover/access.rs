@@ -12,9 +12,10 @@ use crate::{
     scene::{
         format::scene::Model,
         near::{is_same_value, near},
+        read::reader::{Misfit, Result},
         recover::{
             Text, elsewhere, fix,
-            reader::{Fault, Reader, Value},
+            reader::{Reader, Value},
         },
     },
     text::{
@@ -32,7 +33,7 @@ pub(super) fn fields<'de, 'a, 'p>(
     document: Text<'a>,
     path: &'p Trail<'p>,
     fields: Fields,
-) -> impl MapAccess<'de, Error = Fault> {
+) -> impl MapAccess<'de, Error = Misfit> {
     MapDeserializer::new(
         fields
             .into_iter()
@@ -231,12 +232,9 @@ pub(super) struct Elements<'a, 'p> {
 }
 
 impl<'de> SeqAccess<'de> for Elements<'_, '_> {
-    type Error = Fault;
+    type Error = Misfit;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<Option<T::Value>, Fault> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>> {
         /// The maximum number of replaced elements: stand-ins may take far more memory than the
         /// elements themselves.
         const MOST_REPLACED: usize = 1000;
@@ -293,7 +291,7 @@ pub(super) fn entries<'de, 'p>(
     document: Text<'p>,
     path: &'p Trail<'p>,
     owner: Option<NodeId>,
-) -> impl MapAccess<'de, Error = Fault> {
+) -> impl MapAccess<'de, Error = Misfit> {
     let mut first_of: HashMap<Cow<'_, str>, NodeId> = HashMap::new();
     let mut entries = Vec::new();
     for (key, value) in owner.into_iter().flat_map(|id| document.tree.fields(id)) {

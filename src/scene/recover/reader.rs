@@ -1,8 +1,8 @@
 //! A deserializer that does not stop: it reports a value that does not fit, and returns a stand-in.
 
-use std::{fmt, ops::Range};
+use std::ops::Range;
 
-use serde::de::{self, Deserializer, Expected, IntoDeserializer, Visitor};
+use serde::de::{Deserializer, Expected, IntoDeserializer, Visitor};
 
 use crate::{
     diagnostic::{
@@ -14,6 +14,7 @@ use crate::{
             thing::{Thing, Type},
             transform::{MatrixModel, RotateModel, ScaleModel},
         },
+        read::reader::{Misfit, Result},
         recover::{
             NO_NUMBER, Text,
             access::{Elements, Fields, entries, fields, given_fields, stand_ins},
@@ -48,24 +49,6 @@ pub(super) struct Reader<'a, 'p> {
     pub(super) document: Text<'a>,
     pub(super) value: Value,
     pub(super) path: Trail<'p>,
-}
-
-/// An error from serde itself; the model's types cause none.
-#[derive(Debug)]
-pub(super) struct Fault;
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the value does not fit")
-    }
-}
-
-impl std::error::Error for Fault {}
-
-impl de::Error for Fault {
-    fn custom<T: fmt::Display>(_message: T) -> Self {
-        Self
-    }
 }
 
 impl<'a, 'p> Reader<'a, 'p> {
@@ -165,7 +148,7 @@ impl<'a, 'p> Reader<'a, 'p> {
         &self,
         expected: &str,
         most: T,
-        read: impl Fn(&str, Syntax) -> Result<T, NumberError>,
+        read: impl Fn(&str, Syntax) -> std::result::Result<T, NumberError>,
     ) -> Option<T> {
         let id = self.node_of(expected, Wants::Number, |kind| kind == NodeKind::Number)?;
         match read(self.document.source(id), self.syntax()) {
@@ -323,7 +306,7 @@ impl<'a, 'p> Reader<'a, 'p> {
     }
 }
 
-impl<'de> IntoDeserializer<'de, Fault> for Reader<'_, '_> {
+impl<'de> IntoDeserializer<'de, Misfit> for Reader<'_, '_> {
     type Deserializer = Self;
 
     fn into_deserializer(self) -> Self {
@@ -332,14 +315,14 @@ impl<'de> IntoDeserializer<'de, Fault> for Reader<'_, '_> {
 }
 
 impl<'de> Deserializer<'de> for Reader<'_, '_> {
-    type Error = Fault;
+    type Error = Misfit;
 
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         visitor.visit_u32(self.integer())
     }
 
     /// A color: a string or three numbers. A scale: a number or three numbers.
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         /// Number of channels in a color, and of axes.
         const LENGTH: usize = 3;
         let expected = (&visitor as &dyn Expected).to_string();
@@ -360,7 +343,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_seq(self.tuple(LENGTH, &expected, Wants::Color))
     }
 
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let expected = "`true` or `false`";
         let id = self.node_of(expected, Wants::Other, |kind| {
             matches!(kind, NodeKind::Bool(_))
@@ -368,21 +351,21 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_bool(id.is_some_and(|id| self.kind(id) == NodeKind::Bool(true)))
     }
 
-    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         visitor.visit_f64(self.float())
     }
 
-    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let id = self.node_of("a string", Wants::Other, |kind| kind == NodeKind::String);
         let text = id.and_then(|id| string(self.document.source(id), self.syntax()));
         visitor.visit_str(&text.unwrap_or_default())
     }
 
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         self.deserialize_str(visitor)
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         match &self.value {
             Value::Missing { .. } | Value::StandIn => visitor.visit_none(),
             Value::Node(id) if self.kind(*id) == NodeKind::Null => visitor.visit_none(),
@@ -390,7 +373,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         }
     }
 
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let expected = match self.syntax() {
             Syntax::Ron => "a list `[…]`",
             Syntax::Json => "an array `[…]`",
@@ -401,11 +384,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         }
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(
-        self,
-        length: usize,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value> {
         let own = (&visitor as &dyn Expected).to_string();
         let expected = match self.syntax() {
             _ if own == MatrixModel::EXPECTED => own,
@@ -421,17 +400,17 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         _name: &'static str,
         _length: usize,
         visitor: V,
-    ) -> Result<V::Value, Fault> {
+    ) -> Result<V::Value> {
         let expected = (&visitor as &dyn Expected).to_string();
         visitor.visit_seq(self.key(&expected))
     }
 
     /// Skips a value that validation will report.
-    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         visitor.visit_unit()
     }
 
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let expected = match self.syntax() {
             Syntax::Ron => "a map `{\"name\": …}`",
             Syntax::Json => "an object `{\"name\": …}`",
@@ -445,7 +424,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         name: &'static str,
         known: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Fault> {
+    ) -> Result<V::Value> {
         let given = self.fields(name, known);
         visitor.visit_map(fields(self.document, &self.path, given))
     }
@@ -455,7 +434,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         _name: &'static str,
         variants: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Fault> {
+    ) -> Result<V::Value> {
         let (document, path) = (self.document, &self.path);
         visitor.visit_enum(match self.node() {
             Some(id) => Variant::of(document, path, id, variants),

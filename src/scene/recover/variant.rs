@@ -14,12 +14,12 @@ use crate::{
             material::NamedModel,
         },
         near::near,
+        read::reader::{Misfit, Result},
         recover::{
             Text,
             access::{Elements, Fields, fields, given_fields, stand_ins},
             elsewhere::absent,
             fix, foreign, nameless,
-            reader::Fault,
         },
     },
     text::{
@@ -322,19 +322,19 @@ impl Variant<'_, '_> {
 }
 
 impl<'de, 'a, 'p> EnumAccess<'de> for Variant<'a, 'p> {
-    type Error = Fault;
+    type Error = Misfit;
     type Variant = Self;
 
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Fault> {
-        let name = seed.deserialize(StrDeserializer::<Fault>::new(self.name))?;
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self)> {
+        let name = seed.deserialize(StrDeserializer::<Misfit>::new(self.name))?;
         Ok((name, self))
     }
 }
 
 impl<'de> VariantAccess<'de> for Variant<'_, '_> {
-    type Error = Fault;
+    type Error = Misfit;
 
-    fn unit_variant(self) -> Result<(), Fault> {
+    fn unit_variant(self) -> Result<()> {
         if let Some(Given {
             body: Some(_),
             whole,
@@ -357,33 +357,29 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
         Ok(())
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value> {
         seed.deserialize(self)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(
-        self,
-        _length: usize,
-        _visitor: V,
-    ) -> Result<V::Value, Fault> {
-        Err(Fault)
+    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, _visitor: V) -> Result<V::Value> {
+        Err(Misfit)
     }
 
     fn struct_variant<V: Visitor<'de>>(
         self,
         _fields: &'static [&'static str],
         _visitor: V,
-    ) -> Result<V::Value, Fault> {
-        Err(Fault)
+    ) -> Result<V::Value> {
+        Err(Misfit)
     }
 }
 
 /// The content of a variant: a struct whose fields follow the name of the variant.
 impl<'de> Deserializer<'de> for Variant<'_, '_> {
-    type Error = Fault;
+    type Error = Misfit;
 
-    fn deserialize_any<V: Visitor<'de>>(self, _visitor: V) -> Result<V::Value, Fault> {
-        Err(Fault)
+    fn deserialize_any<V: Visitor<'de>>(self, _visitor: V) -> Result<V::Value> {
+        Err(Misfit)
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -391,13 +387,13 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
         _name: &'static str,
         known: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Fault> {
+    ) -> Result<V::Value> {
         let (document, path) = (self.document, self.path);
         visitor.visit_map(fields(document, path, self.fields(known)))
     }
 
     /// Reads the string in the brackets of a variant, in JSON its value.
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let text = self
             .content(NodeKind::String, "a string", "\"…\"")
             .map(|inside| {
@@ -408,7 +404,7 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
     }
 
     /// Reads the list in the brackets of a variant, in JSON its value.
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         let list = self.content(NodeKind::List, "a list", "[…]");
         let Self { document, path, .. } = self;
         let children = list.map(|list| document.tree.children(list));
