@@ -60,17 +60,26 @@ pub struct Symbol {
 }
 
 pub(super) fn symbols(finder: &Finder) -> Vec<Symbol> {
-    let tree = finder.tree;
-    let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
-    let symbols = fields.map(|(key, value)| {
+    let root = finder.tree.root();
+    root.map_or_else(Vec::new, |root| fields(finder, root, Model::of_type()))
+}
+
+/// Returns the fields of an object with their parts.
+fn fields(finder: &Finder, owner: NodeId, of_type: Type) -> Vec<Symbol> {
+    let symbols = finder.tree.fields(owner).map(|(key, value)| {
         let name = finder.name(key);
-        let of_type = Model::of_type().value(&name);
+        let of_type = of_type.value(&name);
         let kind = of_type.and_then(|of_type| SymbolKind::of_name(&of_type.noun()));
         let (kind, children) = match (of_type, kind) {
             (Some(Type::Map(..)), Some(kind)) => (SymbolKind::List, entries(finder, value, kind)),
             (Some(Type::List(..)), Some(kind)) => (SymbolKind::List, elements(finder, value, kind)),
             (_, Some(kind)) => (kind, Vec::new()),
-            _ if name == "animation" => (SymbolKind::List, animation(finder, value)),
+            (Some(Type::Tracks), _) => {
+                (SymbolKind::List, entries(finder, value, SymbolKind::Track))
+            }
+            (Some(of_type), _) if name == "animation" => {
+                (SymbolKind::List, fields(finder, value, of_type))
+            }
             _ => (SymbolKind::Field, Vec::new()),
         };
         Symbol {
@@ -108,18 +117,6 @@ fn label(name: &str) -> String {
 fn entries(finder: &Finder, map: NodeId, kind: SymbolKind) -> Vec<Symbol> {
     let entries = finder.tree.fields(map).take(MOST);
     entries.map(|entry| field(finder, entry, kind)).collect()
-}
-
-fn animation(finder: &Finder, animation: NodeId) -> Vec<Symbol> {
-    let fields = finder.tree.fields(animation);
-    let fields = fields.map(|(key, value)| match &*finder.name(key) {
-        "tracks" => Symbol {
-            children: entries(finder, value, SymbolKind::Track),
-            ..field(finder, (key, value), SymbolKind::List)
-        },
-        _ => field(finder, (key, value), SymbolKind::Field),
-    });
-    fields.collect()
 }
 
 fn elements(finder: &Finder, list: NodeId, kind: SymbolKind) -> Vec<Symbol> {

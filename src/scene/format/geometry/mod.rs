@@ -288,37 +288,33 @@ impl GeometryModel {
 
     /// The part that it names.
     pub(crate) const fn part(&self) -> Option<&PartModel> {
-        if let Self::Part(part) = self {
-            Some(part)
-        } else {
-            None
+        match self {
+            Self::Part(part) => Some(part),
+            _ => None,
         }
     }
 
     /// The mesh file that it names.
     pub(crate) fn mesh_file(&self) -> Option<&MeshFileModel> {
-        if let Self::Mesh(mesh) = self {
-            mesh.file.as_ref()
-        } else {
-            None
+        match self {
+            Self::Mesh(mesh) => mesh.file.as_ref(),
+            _ => None,
         }
     }
 
     /// The mesh file that it names, writable.
     pub(crate) fn mesh_file_mut(&mut self) -> Option<&mut MeshFileModel> {
-        if let Self::Mesh(mesh) = self {
-            mesh.file.as_mut()
-        } else {
-            None
+        match self {
+            Self::Mesh(mesh) => mesh.file.as_mut(),
+            _ => None,
         }
     }
 
     /// The group, if it is one.
     pub(crate) const fn group(&self) -> Option<&GroupModel> {
-        if let Self::Group(group) = self {
-            Some(group)
-        } else {
-            None
+        match self {
+            Self::Group(group) => Some(group),
+            _ => None,
         }
     }
 
