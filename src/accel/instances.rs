@@ -79,7 +79,7 @@ impl Copies {
             let shapes = copies.shapes();
             let shapes = shapes.map(|shape| Geometry::new(shape.clone(), Color::BLACK));
             let world = World::new(shapes.collect(), Color::BLACK);
-            let hierarchy = Hierarchy::new(&world, builder);
+            let hierarchy = Hierarchy::new((&world, None), builder);
             Prototype { world, hierarchy }
         });
         (places.is_some() || prototype.is_some()).then_some(Self {

@@ -6,11 +6,13 @@
 //! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`]; so is a list of
 //! copies, in [`instances`].
 //! [`shadow`] finds which of many points lie in the shadow of a light.
+//! [`kept`] holds what the frames of an animation share.
 //! [`round`] tests cylinders and discs by eight rays.
 //! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
 pub(crate) mod instances;
+pub(crate) mod kept;
 pub(crate) mod lanes;
 pub(crate) mod mesh;
 pub(crate) mod pages;

@@ -1,6 +1,6 @@
 //! The colors of pixels as the bytes of a file.
 
-use std::{collections::HashMap, iter};
+use std::{collections::HashMap, iter, ops::Range};
 
 use crate::{
     film::resolve::Resolved,
@@ -45,6 +45,21 @@ impl ColorTable<3> {
             flat: colors.map(Color::to_rgb8).collect(),
             resolved: |resolved| resolved.color.to_rgb8(),
         }
+    }
+
+    /// Returns the table of a world that differs in the background and in some geometries only.
+    pub(crate) fn renewed(&self, world: &World, changed: &[Range<usize>]) -> Self {
+        let mut table = self.clone();
+        table.flat[0] = world.background().to_rgb8();
+        for index in changed.iter().cloned().flatten() {
+            let geometry = &world.geometries()[index];
+            let first = world.id_of(index, 0) + 1;
+            let colors = table.flat.get_mut(first..first + geometry.count());
+            colors
+                .into_iter()
+                .for_each(|colors| colors.fill(geometry.color().to_rgb8()));
+        }
+        table
     }
 }
 

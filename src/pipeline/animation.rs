@@ -123,6 +123,11 @@ impl Moving {
         Ok(())
     }
 
+    /// Returns the indices of the geometries that change.
+    pub(super) fn places(&self) -> impl Iterator<Item = Range<usize>> {
+        self.places.iter().map(|(_, place)| place.clone())
+    }
+
     /// Returns the frames.
     pub(super) const fn frames(&self) -> &Frames {
         &self.frames
@@ -240,11 +245,11 @@ impl Scene {
             cameras.choose(index);
         }
         let (world, scales) = (Arc::clone(&stage.world), Arc::clone(&stage.scales));
-        let places = moving.places.iter().map(|(_, place)| place.clone());
-        let world_hash = match is_reusable {
-            true => self.world_hash.replaced(places).into(),
-            false if moving.frames.move_the_world() => WorldHash::new(&world).into(),
-            false => Arc::clone(&self.world_hash),
+        let kept = || self.kept.clone();
+        let (world_hash, kept) = match is_reusable {
+            true => (self.world_hash.replaced(moving.places()).into(), kept()),
+            false if moving.frames.move_the_world() => (WorldHash::new(&world).into(), None),
+            false => (Arc::clone(&self.world_hash), kept()),
         };
         let mut stages = moving.stages();
         if is_reusable && stages.len() < KEPT {
@@ -253,6 +258,7 @@ impl Scene {
         Ok(Self {
             cameras,
             world_hash,
+            kept,
             world,
             scales,
             tone,
@@ -294,7 +300,8 @@ mod tests {
 
     /// One of each kind of change, beside geometries that stay.
     const TEXT: &str = r##"(
-        camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
+        image: (width: 32, height: 24),
+        camera: Perspective(eye: (0, 0, 15), look_at: (0, 0, 0), fov: 60),
         background: "#000",
         lights: [Point(position: (0, 9, 0))],
         materials: {"red": Matte(color: "#f00"), "grey": Mirror(color: "#888")},
@@ -333,8 +340,15 @@ mod tests {
     #[test]
     fn a_frame_is_the_same_as_one_that_is_built_whole() {
         let sets = TRACKS.iter().map(|track| (*track).to_owned());
-        for tracks in sets.chain([TRACKS.join(", ")]) {
+        let flat = sets.clone().filter(|track| !track.contains("lights"));
+        let all = sets.chain([TRACKS.join(", ")]);
+        let lights = "lights: [Point(position: (0, 9, 0))],";
+        for (tracks, lights) in all
+            .map(|all| (all, lights))
+            .chain(flat.map(|one| (one, "")))
+        {
             let text = TEXT.replace("TRACKS", &tracks);
+            let text = text.replace("lights: [Point(position: (0, 9, 0))],", lights);
             let scene = Scene::from_text(text, Syntax::Ron).unwrap();
             let moving = scene.moving.as_deref().unwrap();
             assert!(
@@ -352,6 +366,13 @@ mod tests {
                 assert!(*frame.world == whole, "frame {number} of {tracks}");
                 let (hash, expected) = (&frame.world_hash, WorldHash::new(&whole));
                 assert_eq!(hash.of(&frame.world), expected.of(&whole), "{tracks}");
+                let alone = Scene {
+                    kept: None,
+                    ..frame.clone()
+                };
+                let pictures = [frame.render(), alone.render()].map(Result::unwrap);
+                let [picture, alone] = pictures.each_ref().map(|picture| picture.pixels());
+                assert!(picture == alone, "frame {number} of {tracks} with {lights}");
                 let last = shown.replace(frame);
                 assert!(last.is_none_or(|last| *last.world != whole || number == 4));
             }

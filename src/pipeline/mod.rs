@@ -18,6 +18,7 @@ use self::{
     fingerprint::WorldHash,
 };
 use crate::{
+    accel::kept::Kept,
     diagnostic::{Diagnostic, error::Error},
     film::{Outlines, samples::Samples, size::Size},
     parallel::{
@@ -65,6 +66,8 @@ pub struct Scene {
     tone: Tone,
     outlines: Option<Outlines>,
     moving: Option<Arc<Moving>>,
+    /// What the frames share; `None` if too little of the world stands still.
+    kept: Option<Arc<Kept>>,
     /// The number of the frame.
     frame: u32,
     warnings: Arc<[Diagnostic]>,
@@ -223,6 +226,9 @@ impl TryFrom<Document> for Scene {
         let cameras = Cameras::of(&seen, &framing, 0, &file);
         cancel.map_or(Ok(()), Cancel::check)?;
         let cameras = cameras?;
+        let kept = moving
+            .as_ref()
+            .and_then(|moving| Kept::new(&world, moving.places()));
         Ok(Self {
             cameras,
             world_hash: WorldHash::new(&world).into(),
@@ -237,6 +243,7 @@ impl TryFrom<Document> for Scene {
             tone,
             outlines,
             moving,
+            kept: kept.map(Arc::new),
             warnings: warnings.into(),
             source,
             timings,

@@ -346,7 +346,16 @@ impl Scene {
         &'a self,
         watch: &'a Watch,
     ) -> LazyCell<ColorTable<3>, impl FnOnce() -> ColorTable<3> + use<'a>> {
-        LazyCell::new(|| watch.time(Stage::Build, || ColorTable::rgb8(&self.world)))
+        let table = || {
+            let whole = || ColorTable::rgb8(&self.world);
+            let kept = self.kept.as_deref();
+            let still = kept.and_then(|kept| kept.colors.get(((), ()), None, || Some(whole())));
+            match kept.zip(still) {
+                Some((kept, still)) => still.renewed(&self.world, kept.moved()),
+                None => whole(),
+            }
+        };
+        LazyCell::new(move || watch.time(Stage::Build, table))
     }
 
     /// Returns the camera of the picture.
@@ -380,6 +389,7 @@ impl Scene {
             cancel: &options.cancel,
             progress: options.progress.as_ref(),
             watch: &options.timings.shared_watch(Stage::Trace),
+            kept: self.kept.as_deref(),
             resolver: Resolver {
                 world: &self.world,
                 is_transparent: aovs.is_transparent,

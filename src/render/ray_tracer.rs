@@ -151,6 +151,7 @@ impl<'a> RayTracer<'a> {
             cancel: &cancel,
             progress: None,
             watch: &timings.shared_watch(Stage::Trace),
+            kept: None,
             resolver: Resolver::new(self.world),
             centers: Centers::Unneeded,
             wanted: Wanted::Bytes(self.tone),
@@ -169,7 +170,7 @@ impl<'a> RayTracer<'a> {
             let shading = Shading {
                 camera: self.camera,
                 world: self.world,
-                queries: &Accelerated::new(self.world, work.builder(self.isa)),
+                queries: &Accelerated::new((self.world, work.kept), work.builder(self.isa)),
                 size: self.size,
                 samples: self.samples,
                 outlines: self.outlines,

@@ -1,11 +1,11 @@
 //! Comparison of shaded pictures with the plain definition: no bit of their light may differ.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, iter};
 
 use glam::DVec3;
 
 use crate::{
-    accel::raster::first_hits::Work,
+    accel::{kept::Kept, raster::first_hits::Work},
     film::{
         Centers, LitPixel, Outlines, Samples, Wanted, crop::Crop, resolve::Resolver, size::Size,
     },
@@ -163,6 +163,7 @@ fn camera(random: &mut Rng, middle: DVec3, size: f64) -> Camera {
 }
 
 /// A picture of a random scene.
+#[derive(Clone)]
 struct Case {
     camera: Camera,
     world: World,
@@ -199,13 +200,14 @@ impl Case {
     }
 
     /// Returns the light of a part of the picture.
-    fn drawn(&self, crop: Crop, isa: Isa, pool: &Pool) -> Vec<LitPixel> {
+    fn drawn(&self, crop: Crop, isa: Isa, pool: &Pool, kept: Option<&Kept>) -> Vec<LitPixel> {
         let (cancel, timings) = (Cancel::new(), Timings::new());
         let work = Work {
             pool,
             cancel: &cancel,
             progress: None,
             watch: &timings.shared_watch(Stage::Trace),
+            kept,
             resolver: Resolver {
                 is_transparent: self.is_transparent,
                 ..Resolver::new(&self.drawn)
@@ -369,7 +371,7 @@ fn same(one: &LitPixel, other: &LitPixel) -> bool {
 #[test]
 fn shaded_pictures_are_those_of_the_plain_definition() {
     let pools = [1, 2, 16].map(|threads| Pool::new(Some(threads)));
-    let (mut lit, mut clear) = (0, 0);
+    let (mut lit, mut clear, mut frames) = (0, 0, 0);
     for seed in 0..cases(150) as u64 {
         let mut random = Rng(seed.wrapping_mul(0x1234_5677) | 1);
         let case = Case::new(&mut random);
@@ -380,22 +382,35 @@ fn shaded_pictures_are_those_of_the_plain_definition() {
             0 => Crop::new(3, 1, 5, 4).unwrap(),
             _ => Crop::whole(case.size),
         };
-        let drawn = case.drawn(crop, isa, pool);
+        let drawn = case.drawn(crop, isa, pool, None);
+        let frame = Kept::of_some(&case.drawn, &mut random).map(|(kept, other)| {
+            let mut before = case.clone();
+            before.drawn = other;
+            if random.below(4) == 0 {
+                before.camera = Case::new(&mut random).camera;
+            }
+            before.drawn(crop, isa, pool, Some(&kept));
+            case.drawn(crop, isa, pool, Some(&kept))
+        });
+        frames += u32::from(frame.is_some());
         let pixels = crop
             .rows()
             .flat_map(|row| crop.columns().map(move |column| (column, row)));
-        let mut drawn = drawn.iter();
-        for (column, row) in pixels {
-            let (found, plain) = (drawn.next().unwrap(), case.plain(column, row));
-            assert!(
-                same(found, &plain),
-                "seed {seed}, {isa}, pixel {column},{row}: {found:?} is not {plain:?}"
-            );
+        for (place, (column, row)) in pixels.enumerate() {
+            let plain = case.plain(column, row);
+            for drawn in iter::once(&drawn).chain(&frame) {
+                let found = &drawn[place];
+                assert!(
+                    same(found, &plain),
+                    "seed {seed}, {isa}, pixel {column},{row}: {found:?} is not {plain:?}"
+                );
+            }
             lit += u32::from(plain.parts.direct != Radiance::BLACK);
             clear += u32::from(plain.behind > 0.0);
         }
-        assert!(drawn.next().is_none());
+        assert_eq!(drawn.len(), crop.columns().len() * crop.rows().len());
     }
+    assert!(frames as usize * 4 > cases(150), "only {frames} frames");
     assert!(lit > 1000, "only {lit} pixels are lit");
     assert!(
         clear > 20,
@@ -424,7 +439,7 @@ fn a_transparent_picture_in_front_of_its_background_is_the_opaque_one() {
         let crop = Crop::whole(case.size);
         let [opaque, transparent] = [false, true].map(|is_transparent| {
             case.is_transparent = is_transparent;
-            case.drawn(crop, Isa::best(), &pool)
+            case.drawn(crop, Isa::best(), &pool, None)
         });
         for (opaque, pixel) in opaque.iter().zip(&transparent) {
             let light = |pixel: &LitPixel| pixel.parts.sum().mean();

@@ -9,18 +9,19 @@ pub(crate) mod split;
 pub(crate) mod traverse;
 mod walk;
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use crate::{
     accel::{
         bvh::{
             build::{Builder, Lists},
-            frame::{Frame, Hull, Probe},
+            frame::{Frame, Hull},
             node::{Leaf, Link, LinkTarget, Node},
             split::Item,
             walk::{Crossings, Nearest, Walk},
         },
         index_shapes,
+        kept::{self, WorldOfFrame, built, count},
         pages::Pages,
     },
     diagnostic::error::Error,
@@ -71,6 +72,14 @@ pub struct Bvh {
 #[derive(Clone, Debug)]
 pub(crate) struct Hierarchy {
     isa: Isa,
+    /// The geometries of all portions that are tested by the plain loop, in ascending order.
+    apart: Vec<usize>,
+    portions: Vec<Arc<Portion>>,
+}
+
+/// Some geometries of a world.
+#[derive(Clone, Debug)]
+pub(crate) struct Portion {
     /// The geometries tested by the plain loop: planes, and those outside of the frame.
     apart: Vec<usize>,
     shapes: Option<Shapes>,
@@ -154,7 +163,7 @@ impl Bvh {
     }
 
     fn build(world: Arc<World>, pool: &Pool, isa: Isa) -> Self {
-        let hierarchy = Hierarchy::new(&world, Builder::new(pool, isa));
+        let hierarchy = Hierarchy::new((&world, None), Builder::new(pool, isa));
         Self { world, hierarchy }
     }
 
@@ -174,7 +183,7 @@ impl Bvh {
         let geometry = self.world.geometries().get(nearest.index)?;
         // The sphere of the tree is in the cache; that of the world may be far away in memory.
         let sphere = || {
-            let shapes = self.hierarchy.shapes.as_ref()?;
+            let shapes = self.hierarchy.shapes().next()?;
             shapes.sphere(nearest.place?)
         };
         let crossing = nearest.crossing();
@@ -192,13 +201,13 @@ impl Bvh {
     }
 }
 
-impl Hierarchy {
-    /// Builds the hierarchy of a world, the one that all other methods are to be called with. If it is
-    /// cancelled, all shapes are apart.
-    pub(crate) fn new(world: &World, builder: Builder<'_>) -> Self {
+impl Portion {
+    /// Builds the tree of some geometries. If it is cancelled, all shapes are apart.
+    fn new(world: &World, runs: &[Range<usize>], builder: Builder<'_>) -> Self {
         let geometries = world.geometries();
-        index_shapes(geometries, builder);
-        let hulls = || geometries.iter().enumerate().filter_map(inside);
+        let some = || kept::geometries(world, runs);
+        index_shapes(some().map(|(_, geometry)| geometry), builder);
+        let hulls = || some().filter_map(inside);
         // A tree of a single shape, such as a mesh, has no boxes: the plain loop is faster.
         let second = hulls().nth(1);
         let frame = second.and_then(|_| Frame::around(hulls().map(|(_, hull)| hull)));
@@ -207,7 +216,7 @@ impl Hierarchy {
                 let [center, half] = frame.hull(&hull);
                 Item::new(center, half, index)
             });
-            let items = Pages::collect(geometries.len(), items);
+            let items = Pages::collect(count(runs), items);
             let (tree, lists) = builder.tree(items, Lists::default())?;
             let leaves = builder.leaves(&lists, geometries);
             Some(Shapes {
@@ -217,13 +226,40 @@ impl Hierarchy {
             })
         });
         let within = |at: &(usize, &Geometry)| shapes.is_some() && inside(*at).is_some();
-        let apart = geometries.iter().enumerate().filter(|at| !within(at));
+        let apart = some().filter(|at| !within(at));
         let apart = apart.map(|(index, _)| index).collect();
+        Self { apart, shapes }
+    }
+}
+
+impl Hierarchy {
+    /// Builds the hierarchy of a world, the one that all other methods are to be called with. Frames share
+    /// a part of it.
+    pub(crate) fn new(world: WorldOfFrame, builder: Builder<'_>) -> Self {
+        let portions = built(
+            world,
+            |kept| &kept.portion,
+            ((), ()),
+            builder.cancel,
+            |runs, _| Some(Portion::new(world.0, runs, builder)),
+        );
+        let portions = portions.unwrap_or_default();
+        let apart = portions
+            .iter()
+            .flat_map(|portion: &Arc<Portion>| &portion.apart);
+        let mut apart: Vec<_> = apart.copied().collect();
+        apart.sort_unstable();
         Self {
             isa: builder.isa,
             apart,
-            shapes,
+            portions,
         }
+    }
+
+    fn shapes(&self) -> impl Iterator<Item = &Shapes> {
+        self.portions
+            .iter()
+            .filter_map(|portion| portion.shapes.as_ref())
     }
 
     /// Returns the index and the crossing of [`World::hit_from`], for a ray that leaves the face
@@ -257,10 +293,7 @@ impl Hierarchy {
         t_max: f64,
         own: Option<FaceId>,
     ) -> Option<Nearest> {
-        let Some((shapes, probe)) = self.probe(ray) else {
-            let (index, crossing) = world.nearest(ray, t_max, own)?;
-            return Some(Nearest::new(index, crossing));
-        };
+        let face = own;
         let geometries = world.geometries();
         let own = world.own(own);
         let own = own.as_ref();
@@ -271,45 +304,54 @@ impl Hierarchy {
                 nearest = Nearest::new(*index, crossing);
             }
         }
-        if let Some(sphere) = own.and_then(|own| own.shape().sphere())
-            && let Some(t) = sphere.far_from_own(ray, t_max)
-        {
-            shapes.twins(sphere, |index| {
-                nearest.or(Nearest::new(index, t.into()));
+        for shapes in self.shapes() {
+            let Some(probe) = shapes.frame.probe(ray) else {
+                let (index, crossing) = world.nearest(ray, t_max, face)?;
+                return Some(Nearest::new(index, crossing));
+            };
+            if let Some(sphere) = own.and_then(|own| own.shape().sphere())
+                && let Some(t) = sphere.far_from_own(ray, t_max)
+            {
+                shapes.twins(sphere, |index| {
+                    nearest.or(Nearest::new(index, t.into()));
+                });
+            }
+            nearest = self.isa.run(Walk::<false> {
+                tree: &shapes.tree,
+                leaves: &shapes.leaves,
+                geometries,
+                ray,
+                probe: &probe,
+                nearest,
+                own,
+                glass: None,
             });
         }
-        let found = self.isa.run(Walk::<false> {
-            tree: &shapes.tree,
-            leaves: &shapes.leaves,
-            geometries,
-            ray,
-            probe: &probe,
-            nearest,
-            own,
-            glass: None,
-        });
-        let is_met = found.t < t_max;
-        is_met.then_some(found)
+        let is_met = nearest.t < t_max;
+        is_met.then_some(nearest)
     }
 
     /// Returns true if anything is hit with `0 < t < t_max`.
     fn occluded(&self, world: &World, ray: &Ray, t_max: f64) -> bool {
-        let Some((shapes, probe)) = self.probe(ray) else {
-            return world.nearest(ray, t_max, None).is_some();
-        };
         let geometries = world.geometries();
         let meets = |index: &usize| geometries[*index].shape().intersect(ray, t_max).is_some();
-        let walk = || Walk::<true> {
-            tree: &shapes.tree,
-            leaves: &shapes.leaves,
-            geometries,
-            ray,
-            probe: &probe,
-            nearest: Nearest::before(t_max),
-            own: None,
-            glass: None,
+        let is_among = |shapes: &Shapes| match shapes.frame.probe(ray) {
+            None => world.nearest(ray, t_max, None).is_some(),
+            Some(probe) => {
+                let walk = Walk::<true> {
+                    tree: &shapes.tree,
+                    leaves: &shapes.leaves,
+                    geometries,
+                    ray,
+                    probe: &probe,
+                    nearest: Nearest::before(t_max),
+                    own: None,
+                    glass: None,
+                };
+                self.isa.run(walk).t < t_max
+            }
         };
-        self.apart.iter().any(meets) || self.isa.run(walk()).t < t_max
+        self.apart.iter().any(meets) || self.shapes().any(is_among)
     }
 
     /// Returns [`World::transmission`].
@@ -321,8 +363,9 @@ impl Hierarchy {
         own: FaceId,
     ) -> Radiance {
         let geometries = world.geometries();
-        let (Some((shapes, probe)), Some(own)) = (self.probe(ray), world.own(Some(own))) else {
-            return world.transmission(ray, t_max, own);
+        let face = own;
+        let Some(own) = world.own(Some(own)) else {
+            return world.transmission(ray, t_max, face);
         };
         // All glass that the ray crosses.
         let mut glass = Crossings::default();
@@ -331,27 +374,32 @@ impl Hierarchy {
             let first = geometry.shape().meet_from(Some(&own), ray, t_max);
             first.is_some() && glass.is_opaque(geometry, *index)
         });
-        if let Some(sphere) = own.shape().sphere()
-            && sphere.far_from_own(ray, t_max).is_some()
-        {
-            shapes.twins(sphere, |index| {
-                is_dark |= glass.is_opaque(&geometries[index], index);
-            });
+        for shapes in self.shapes() {
+            let Some(probe) = shapes.frame.probe(ray) else {
+                return world.transmission(ray, t_max, face);
+            };
+            if let Some(sphere) = own.shape().sphere()
+                && sphere.far_from_own(ray, t_max).is_some()
+            {
+                shapes.twins(sphere, |index| {
+                    is_dark |= glass.is_opaque(&geometries[index], index);
+                });
+            }
+            let walk = Walk::<true> {
+                tree: &shapes.tree,
+                leaves: &shapes.leaves,
+                geometries,
+                ray,
+                probe: &probe,
+                nearest: Nearest::before(t_max),
+                own: Some(&own),
+                glass: Some(&mut glass),
+            };
+            if is_dark || self.isa.run(walk).t < t_max {
+                return Radiance::BLACK;
+            }
         }
         if is_dark {
-            return Radiance::BLACK;
-        }
-        let walk = Walk::<true> {
-            tree: &shapes.tree,
-            leaves: &shapes.leaves,
-            geometries,
-            ray,
-            probe: &probe,
-            nearest: Nearest::before(t_max),
-            own: Some(&own),
-            glass: Some(&mut glass),
-        };
-        if self.isa.run(walk).t < t_max {
             return Radiance::BLACK;
         }
         let mut transmission = Radiance::WHITE;
@@ -362,12 +410,6 @@ impl Hierarchy {
             });
         }
         transmission
-    }
-
-    /// Returns the bounded shapes and the ray in their frame; `None` if the ray needs the plain loop.
-    fn probe(&self, ray: &Ray) -> Option<(&Shapes, Probe)> {
-        let shapes = self.shapes.as_ref()?;
-        Some((shapes, shapes.frame.probe(ray)?))
     }
 }
 

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::{
-    accel::bvh::{Bvh, Hierarchy, build::Builder},
+    accel::{
+        bvh::{Bvh, Hierarchy, build::Builder},
+        kept::Kept,
+    },
     parallel::{Cancel, Pool},
     simd::Isa,
     tracer::{
@@ -229,8 +232,13 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
         let indexed = world.without_indices();
         let trees = isas
             .iter()
-            .map(|isa| Hierarchy::new(&indexed, Builder::new(&pool, *isa)));
-        let trees: Vec<_> = trees.collect();
+            .map(|isa| Hierarchy::new((&indexed, None), Builder::new(&pool, *isa)));
+        let mut trees: Vec<_> = trees.collect();
+        if let Some((kept, other)) = Kept::of_some(&indexed, &mut Rng(case as u64 + 1)) {
+            let builder = Builder::new(&pool, isas[case % isas.len()]);
+            Hierarchy::new((&other, Some(&kept)), builder);
+            trees.push(Hierarchy::new((&indexed, Some(&kept)), builder));
+        }
         for _ in 0..RAYS {
             let mut ray = ray(&mut rng, &world);
             let geometry = rng.below(world.geometries().len());
@@ -332,11 +340,11 @@ fn a_cancelled_hierarchy_has_the_hits_of_the_loop() {
         cancel: Some(&cancel),
         ..Builder::new(&pool, Isa::best())
     };
-    let whole = Hierarchy::new(&world, builder);
-    assert!(whole.shapes.is_some() && whole.apart.is_empty());
+    let whole = Hierarchy::new((&world, None), builder);
+    assert!(whole.shapes().count() == 1 && whole.apart.is_empty());
     cancel.cancel();
-    let none = Hierarchy::new(&world, builder);
-    assert_eq!((none.shapes.is_none(), none.apart.len()), (true, 300));
+    let none = Hierarchy::new((&world, None), builder);
+    assert_eq!((none.shapes().count(), none.apart.len()), (0, 300));
     let ray = Ray::new(DVec3::new(3.0, 3.0, 0.0), DVec3::NEG_Z);
     let own = FaceId {
         geometry: 0,

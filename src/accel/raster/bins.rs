@@ -1,11 +1,16 @@
 //! Sorting of shapes by the screen tiles in which they may be seen.
 
-use std::{iter, ops::Range, sync::OnceLock};
+use std::{
+    iter,
+    ops::Range,
+    sync::{Arc, OnceLock},
+};
 
 use crate::{
     accel::{
         bvh::build::Builder,
         index_shapes,
+        kept::{WorldOfFrame, built, pieces},
         raster::{
             footprint::{Footprint, Project, Projected, Region},
             grouping::TILE,
@@ -26,11 +31,12 @@ const ENTRIES: u64 = if cfg!(test) { 1 << 8 } else { 1 << 26 };
 
 /// The shapes of a region of the picture, by tiles of [`TILE`] × [`TILE`] pixels. They are sorted
 /// in groups of tile rows, each by the first thread that requests one of its rows.
+#[derive(Debug)]
 pub(crate) struct Bins {
-    pub(super) region: Region,
-    pub(super) layout: Layout,
+    region: Region,
+    layout: Layout,
     /// The geometries that are planes, which have no tile.
-    pub(super) planes: Vec<u32>,
+    planes: Vec<u32>,
     /// The footprints of all groups.
     parts: Vec<Projected>,
     groups: Vec<OnceLock<Group>>,
@@ -42,11 +48,12 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    /// Bins the geometries that a region sees; `None` if that would take too much memory and
+    /// Bins those of some runs of geometries that a region sees; `None` if that would take too much memory and
     /// smaller regions would take less.
     pub(crate) fn new(
         view: &RasterView,
         world: &World,
+        runs: &[Range<usize>],
         region: Region,
         builder: Builder<'_>,
     ) -> Option<Self> {
@@ -56,19 +63,16 @@ impl Bins {
         let wanted = (pool.threads() * GROUPS_PER_THREAD) as u32;
         let shift = (tiles_down / wanted).max(1).ilog2();
         let groups = (tiles_down.div_ceil(1 << shift)) as usize;
-        let mut parts = pool.map(
-            geometries.chunks(CHUNK).enumerate(),
-            |(chunk, geometries)| {
-                isa.run(Project {
-                    screen: view.screen.as_ref(),
-                    region,
-                    geometries,
-                    first: (chunk * CHUNK) as u32,
-                    groups,
-                    shift: shift + TILE.ilog2(),
-                })
-            },
-        );
+        let mut parts = pool.map(pieces(runs, CHUNK), |piece| {
+            isa.run(Project {
+                screen: view.screen.as_ref(),
+                region,
+                first: piece.start as u32,
+                geometries: &geometries[piece],
+                groups,
+                shift: shift + TILE.ilog2(),
+            })
+        });
         let entries: u64 = parts.iter().map(|part| part.tiles).sum();
         if entries > ENTRIES + geometries.len() as u64 && region.width.max(region.height) > TILE {
             return None;
@@ -95,7 +99,7 @@ impl Bins {
 
     /// Sorts the group that begins with the row `ahead` of this one, if there is one: this one is
     /// about to be drawn, and once it is, no thread has to wait.
-    pub(super) fn look_ahead(&self, down: u32) {
+    fn look_ahead(&self, down: u32) {
         let down = down + self.ahead;
         if down < self.tiles_down() && down & ((1 << self.shift) - 1) == 0 {
             self.row(down);
@@ -103,7 +107,7 @@ impl Bins {
     }
 
     /// Returns a row of tiles, counted from the top of the region.
-    pub(super) fn row(&self, down: u32) -> TileRow<'_> {
+    fn row(&self, down: u32) -> TileRow<'_> {
         let group = (down >> self.shift) as usize;
         let first = (group << self.shift) as u32;
         let stride = stride(self.region);
@@ -120,6 +124,67 @@ impl Bins {
     }
 }
 
+/// The shapes of a region, in bins of which frames share one.
+pub(super) struct Binned {
+    bins: Vec<Arc<Bins>>,
+    pub(super) region: Region,
+    pub(super) layout: Layout,
+}
+
+impl Binned {
+    /// Bins all geometries that a region sees; `None` as [`Bins::new`].
+    pub(super) fn new(
+        view: &RasterView,
+        world: WorldOfFrame,
+        region: Region,
+        builder: Builder<'_>,
+    ) -> Option<Self> {
+        let key = view.key(region);
+        let bins = built(
+            world,
+            |kept| &kept.bins,
+            key,
+            builder.cancel,
+            |runs, _| Bins::new(view, world.0, runs, region, builder),
+        )?;
+        Some(Self {
+            bins,
+            region,
+            layout: Layout::new(world.0.geometries().len()),
+        })
+    }
+
+    /// Returns the geometries that are planes, in ascending order.
+    pub(super) fn planes(&self) -> Vec<u32> {
+        let planes = self.bins.iter().flat_map(|bins| &bins.planes);
+        let mut planes: Vec<_> = planes.copied().collect();
+        planes.sort_unstable();
+        planes
+    }
+
+    /// Prepares a later row of tiles; see [`Bins::look_ahead`].
+    pub(super) fn look_ahead(&self, down: u32) {
+        self.bins.iter().for_each(|bins| bins.look_ahead(down));
+    }
+
+    /// Returns a row of tiles, counted from the top of the region.
+    pub(super) fn row(&self, down: u32) -> TileRows<'_> {
+        TileRows(self.bins.iter().map(|bins| bins.row(down)).collect())
+    }
+}
+
+/// A row of tiles in all bins.
+pub(super) struct TileRows<'a>(Vec<TileRow<'a>>);
+
+impl TileRows<'_> {
+    /// Sets `entries` to those of a tile, counted from the left of the region.
+    pub(super) fn read(&self, across: u32, entries: &mut Vec<u64>) {
+        entries.clear();
+        let rows = self.0.iter();
+        rows.for_each(|row| entries.extend_from_slice(row.entries(across)));
+    }
+}
+
 /// Returns the distance between the starts of two tile rows: each row ends with an additional,
 /// empty tile.
 fn stride(region: Region) -> usize {
@@ -127,7 +192,7 @@ fn stride(region: Region) -> usize {
 }
 
 /// A row of tiles.
-pub(super) struct TileRow<'a> {
+struct TileRow<'a> {
     /// The start of each tile's entries, and the end of the last.
     starts: &'a [u32],
     entries: &'a [u64],
@@ -135,13 +200,14 @@ pub(super) struct TileRow<'a> {
 
 impl<'a> TileRow<'a> {
     /// Returns the entries of a tile, counted from the left of the region.
-    pub(super) fn entries(&self, across: u32) -> &'a [u64] {
+    fn entries(&self, across: u32) -> &'a [u64] {
         let across = across as usize;
         &self.entries[self.starts[across] as usize..self.starts[across + 1] as usize]
     }
 }
 
 /// Consecutive rows of tiles.
+#[derive(Debug)]
 struct Group {
     /// The start of each tile's entries, and the end of the last.
     starts: Vec<u32>,

@@ -5,8 +5,9 @@ use std::{mem, ops::Range};
 use crate::{
     accel::{
         bvh::build::Builder,
+        kept::Kept,
         raster::{
-            bins::Bins,
+            bins::Binned,
             footprint::Region,
             grouping::TILE,
             planes::NumberedPlane,
@@ -42,6 +43,8 @@ pub(crate) struct Work<'a> {
     pub(crate) cancel: &'a Cancel,
     pub(crate) progress: Option<&'a OnProgress>,
     pub(crate) watch: &'a SharedWatch<'a>,
+    /// What frames share; `None` for a picture alone.
+    pub(crate) kept: Option<&'a Kept>,
     /// The colors of pixels whose samples see several things.
     pub(crate) resolver: Resolver<'a>,
     /// The data of center rays that the film keeps.
@@ -66,7 +69,7 @@ pub(crate) type Take<'a> = &'a mut dyn FnMut(Film) -> Result<(), Error>;
 
 /// A region whose shapes are binned.
 struct Prepared {
-    bins: Bins,
+    bins: Binned,
     grid: Grid,
     planes: Vec<NumberedPlane>,
 }
@@ -203,16 +206,17 @@ impl<'a> FirstHits<'a> {
     /// Bins a region; `None` if that would take too much memory at once.
     fn prepare(&self, region: Region, work: Work) -> Option<Prepared> {
         work.watch.time(|| {
-            let bins = Bins::new(&self.view, self.world, region, work.builder(self.isa))?;
+            let world = (self.world, work.kept);
+            let bins = Binned::new(&self.view, world, region, work.builder(self.isa))?;
             let eye = self.view.camera.eye();
             let geometries = self.world.geometries();
-            let plane = |index: &u32| {
-                let index = *index as usize;
+            let plane = |index: u32| {
+                let index = index as usize;
                 let id = self.world.id_of(index, 0) as u32;
                 NumberedPlane::new(id, geometries.get(index)?, eye)
             };
             Some(Prepared {
-                planes: bins.planes.iter().filter_map(plane).collect(),
+                planes: bins.planes().into_iter().filter_map(plane).collect(),
                 grid: self.view.grid(region),
                 bins,
             })

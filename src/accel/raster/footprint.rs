@@ -47,6 +47,7 @@ pub(super) struct Footprint {
 }
 
 /// The footprints of some geometries in a region of the picture, by groups of its rows.
+#[derive(Debug)]
 pub(super) struct Projected {
     /// The geometries that are planes.
     pub(super) planes: Vec<u32>,

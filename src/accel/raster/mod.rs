@@ -17,4 +17,4 @@ mod samples;
 #[cfg(test)]
 mod tests;
 mod tile;
-mod view;
+pub(crate) mod view;

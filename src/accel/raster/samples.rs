@@ -131,15 +131,13 @@ impl DrawSamples<'_> {
 
             let simple = draw.planes_of(rays, [left, top], [width, height], &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.id);
-            let unsorted = bins.entries(across);
-            if simple && unsorted.is_empty() {
+            bins.read(across, &mut entries);
+            if simple && entries.is_empty() {
                 for row in &mut draw.rows {
                     row[from..from + width].fill(behind);
                 }
                 continue;
             }
-            entries.clear();
-            entries.extend_from_slice(unsorted);
             let touched = tile.touched(simple.then_some(behind), &entries, height);
             draw.begin(simd, rays, &mut tile, touched, &[], &rows, left);
             let mut bounds = Bounds::NONE;

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
+        kept::Kept,
         lanes::Divide,
         raster::{
             first_hits::{FirstHits, Work, cut},
@@ -78,9 +79,15 @@ fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
 }
 
 /// Returns the fast result for a rectangle of the picture.
-fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) -> Vec<u32> {
+fn part(
+    hits: &FirstHits,
+    columns: Range<u32>,
+    rows: Range<u32>,
+    (pool, kept): (&Pool, Option<&Kept>),
+) -> Vec<u32> {
     let mut indices = Vec::new();
-    draw(hits, columns, rows, pool, Centers::Unneeded, |run| {
+    let centers = (Centers::Unneeded, kept);
+    draw(hits, columns, rows, pool, centers, |run| {
         indices.extend(run.pixels)
     });
     indices
@@ -92,7 +99,7 @@ fn draw(
     columns: Range<u32>,
     rows: Range<u32>,
     pool: &Pool,
-    centers: Centers,
+    (centers, kept): (Centers, Option<&Kept>),
     mut each: impl FnMut(Run),
 ) {
     let (timings, world) = (Timings::new(), World::default());
@@ -101,6 +108,7 @@ fn draw(
         cancel: &Cancel::new(),
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
+        kept,
         resolver: Resolver::new(&world),
         centers,
         wanted: Wanted::Hits,
@@ -118,7 +126,7 @@ fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows:
     let hits = FirstHits::new(camera, world, size, Samples::ONE, isa);
     let slabs = cut(0..size.height(), rows);
     slabs
-        .flat_map(|rows| part(&hits, 0..size.width(), rows, pool))
+        .flat_map(|rows| part(&hits, 0..size.width(), rows, (pool, None)))
         .collect()
 }
 
@@ -147,6 +155,17 @@ fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) ->
             }
         }
     }
+    if let Some((kept, other)) = Kept::of_some(world, &mut Rng(world.geometries().len() as u64 + 1))
+    {
+        let found = [&other, world].map(|world| {
+            let hits = FirstHits::new(camera, world, size, Samples::ONE, Isa::best());
+            part(&hits, 0..width, 0..height, (&Pool::Calling, Some(&kept)))
+        });
+        assert!(
+            found[1] == expected,
+            "{name}, after another frame: {camera:?} {kept:?}"
+        );
+    }
     check_hits(name, camera, world, size);
     check_samples(name, camera, world, size);
     expected.iter().filter(|index| **index != NOTHING).count()
@@ -159,7 +178,8 @@ fn check_hits(name: &str, camera: &Camera, world: &World, size: Size) {
         let hits = FirstHits::new(camera, world, size, Samples::new(samples).unwrap(), isa);
         let mut found = Vec::new();
         let (columns, rows) = (0..size.width(), 0..size.height());
-        draw(&hits, columns, rows, &Pool::Calling, Centers::Hits, |run| {
+        let centers = (Centers::Hits, None);
+        draw(&hits, columns, rows, &Pool::Calling, centers, |run| {
             let bits = run.t.iter().map(|t| t.to_bits());
             found.extend(run.ids.iter().copied().zip(bits));
         });
@@ -191,15 +211,22 @@ fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
     let rows = 0..size.height().min(2048 / size.width() + 1);
     let plain = world.without_indices();
     let expected = plain_samples(camera, &plain, size, samples, rows.clone(), resolver);
-    for isa in Isa::all() {
+    let frames = Kept::of_some(world, &mut Rng(u64::from(size.width()) + 1));
+    let kept = frames.as_ref().map(|(kept, other)| {
+        let hits = FirstHits::new(camera, other, size, samples, Isa::best());
+        let resolver = Resolver {
+            world: other,
+            ..resolver
+        };
+        let pool = (&Pool::Calling, Some(kept));
+        seen(&hits, 0..size.width(), rows.clone(), pool, resolver);
+        (Isa::best(), Some(kept))
+    });
+    let alone = Isa::all().into_iter().map(|isa| (isa, None));
+    for (isa, kept) in alone.chain(kept) {
         let hits = FirstHits::new(camera, world, size, samples, isa);
-        let found = seen(
-            &hits,
-            0..size.width(),
-            rows.clone(),
-            &Pool::Calling,
-            resolver,
-        );
+        let pool = (&Pool::Calling, kept);
+        let found = seen(&hits, 0..size.width(), rows.clone(), pool, resolver);
         let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
         if let Some(at) = wrong {
             panic!(
@@ -254,7 +281,7 @@ fn seen(
     hits: &FirstHits,
     columns: Range<u32>,
     rows: Range<u32>,
-    pool: &Pool,
+    (pool, kept): (&Pool, Option<&Kept>),
     resolver: Resolver,
 ) -> Vec<Seen> {
     let mut found = Vec::new();
@@ -264,6 +291,7 @@ fn seen(
         cancel: &Cancel::new(),
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
+        kept,
         resolver,
         centers: Centers::Unneeded,
         wanted: Wanted::Hits,
@@ -609,7 +637,7 @@ fn the_crops_of_a_tiling_form_the_whole_picture() {
         for (across, down) in [(17, 23), (1, 71), (133, 1), (16, 16), (64, 5)] {
             for rows in cut(0..height, down) {
                 for columns in cut(0..width, across) {
-                    let found = part(&hits, columns.clone(), rows.clone(), &Pool::Calling);
+                    let found = part(&hits, columns.clone(), rows.clone(), (&Pool::Calling, None));
                     for (row, found) in rows.clone().zip(found.chunks(columns.len())) {
                         let start = (row * width + columns.start) as usize;
                         assert_eq!(found, &expected[start..start + found.len()], "{columns:?}");

@@ -11,7 +11,7 @@ use crate::{
         lanes::{bits, first_root},
         prefetch_inside,
         raster::{
-            bins::{Bins, pixels},
+            bins::{Binned, pixels},
             grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
             planes::{NumberedPlane, relevant},
             rays::{Parallel, Pinhole, Rays},
@@ -47,7 +47,7 @@ pub(super) struct Draw<'a> {
     pub(super) world: &'a World,
     pub(super) planes: &'a [NumberedPlane],
     pub(super) grid: &'a Grid,
-    pub(super) bins: &'a Bins,
+    pub(super) bins: &'a Binned,
     /// The index of the tile row.
     pub(super) down: u32,
     /// The tiles of that row.
@@ -132,17 +132,15 @@ impl Draw<'_> {
             let corners = [first + upper, last + upper, first + lower, last + lower];
             let simple = self.planes_between(rays, corners, &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.id);
-            let unsorted = bins.entries(across);
+            bins.read(across, &mut entries);
             // The t of a plane is computed from its rays.
             let simple = simple && (behind == NOTHING || self.t.is_empty());
-            if simple && unsorted.is_empty() {
+            if simple && entries.is_empty() {
                 for row in &mut self.rows {
                     row[from..from + width].fill(behind);
                 }
                 continue;
             }
-            entries.clear();
-            entries.extend_from_slice(unsorted);
             let touched = tile.touched(simple.then_some(behind), &entries, height);
             let (mut near, mut far) = sort_nearest(&mut entries);
             // Memory is fetched while the rays are computed.

@@ -29,6 +29,9 @@ pub(crate) struct RasterView<'a> {
     pub(super) screen: Option<Screen>,
 }
 
+/// What the pixels that a shape may cover depend on, beside the fineness.
+pub(crate) type ViewKey = (Camera, Size, Samples, Region);
+
 /// The position of a picture in space.
 ///
 /// The point `eye + x·u + y·v + z·forward` is seen at pixel `middle + zoom·(x, y)`, counted from
@@ -98,6 +101,12 @@ impl<'a> RasterView<'a> {
             screen.refine(f64::from(samples.side()));
         }
         view
+    }
+
+    /// Returns the fineness of the view and the key of a region.
+    pub(super) fn key(&self, region: Region) -> (u32, ViewKey) {
+        let Self { size, samples, .. } = *self;
+        (self.fineness, (*self.camera, size, samples, region))
     }
 
     /// Returns the shared part of a column's rays, `x` counted from the left.

@@ -11,21 +11,20 @@
 //! The directions of the rays and the coordinates in this picture round by some u = 2⁻⁵³ of the same
 //! distances, which is thousands of times less than that.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::{
     accel::{
+        kept::{count, pieces},
         lanes::{dot, splat3, sub},
         rounding,
         shadow::{Casters, Toward},
     },
     parallel::Pool,
     simd::{F64x8, Simd},
-    tracer::{
-        geometry::Geometry,
-        shape::{Extent, plane::Plane},
-        world::World,
-    },
+    tracer::{geometry::Geometry, shape::Extent, world::World},
 };
 
 /// The range of lengths of which products of four neither overflow nor lose digits at the lower
@@ -64,26 +63,25 @@ pub(super) fn is_ordinary(center: DVec3, radius: f64) -> bool {
     ORDINARY.contains(&radius) && center.abs().max_element() <= *ORDINARY.end()
 }
 
-/// What casts shadows in a world.
-pub(super) struct Survey<'a> {
-    pub(super) planes: Vec<(u32, &'a Plane)>,
+/// What casts shadows among some geometries of a world.
+pub(super) struct Survey {
+    pub(super) planes: Vec<u32>,
     pub(super) odd: Vec<u32>,
     /// The corners of the box around all ordinary balls.
-    corners: [DVec3; 2],
+    pub(super) corners: [DVec3; 2],
     /// Their number.
     balls: usize,
     /// Some of these balls.
     typical: Vec<(DVec3, f64)>,
 }
 
-impl<'a> Survey<'a> {
-    pub(super) fn new(world: &'a World, casters: Casters, pool: &Pool) -> Self {
+impl Survey {
+    pub(super) fn new(world: &World, runs: &[Range<usize>], casters: Casters, pool: &Pool) -> Self {
         let geometries = world.geometries();
-        let step = geometries.len() / TYPICAL + 1;
-        let chunks = geometries.chunks(TOGETHER).enumerate();
-        let parts = pool.map(chunks, |(chunk, geometries)| {
+        let step = count(runs) / TYPICAL + 1;
+        let parts = pool.map(pieces(runs, TOGETHER), |piece| {
             let mut part = Self::nothing();
-            for (index, geometry) in (chunk * TOGETHER..).zip(geometries) {
+            for (index, geometry) in piece.clone().zip(&geometries[piece]) {
                 if casters.hold(geometry) {
                     part.see(index, geometry, index % step == 0);
                 }
@@ -113,7 +111,7 @@ impl<'a> Survey<'a> {
     }
 
     #[inline]
-    fn see(&mut self, index: usize, geometry: &'a Geometry, is_typical: bool) {
+    fn see(&mut self, index: usize, geometry: &Geometry, is_typical: bool) {
         match ball(geometry) {
             Some((center, radius)) if is_ordinary(center, radius) => {
                 let [low, high] = self.corners;
@@ -124,11 +122,7 @@ impl<'a> Survey<'a> {
                 }
             }
             Some(_) => self.odd.push(index as u32),
-            None => {
-                if let Extent::Plane(plane) = geometry.shape().extent() {
-                    self.planes.push((index as u32, plane));
-                }
-            }
+            None => self.planes.push(index as u32),
         }
     }
 
@@ -137,9 +131,14 @@ impl<'a> Survey<'a> {
         self.odd.extend(other.odd);
         self.typical.extend(other.typical);
         self.balls += other.balls;
-        let ([low, high], [lower, higher]) = (self.corners, other.corners);
-        self.corners = [low.min(lower), high.max(higher)];
+        self.reach(other.corners);
         self
+    }
+
+    /// Grows the box around all ordinary balls by another one.
+    pub(super) fn reach(&mut self, [lower, higher]: [DVec3; 2]) {
+        let [low, high] = self.corners;
+        self.corners = [low.min(lower), high.max(higher)];
     }
 }
 

@@ -3,9 +3,12 @@
 use std::{mem, ops::Range};
 
 use crate::{
-    accel::shadow::{
-        Casters,
-        frame::{Frame, ball, is_ordinary},
+    accel::{
+        kept::{count, pieces},
+        shadow::{
+            Casters,
+            frame::{Frame, ball, is_ordinary},
+        },
     },
     parallel::Pool,
     simd::{F64x8, Isa, Kernel, LANES, Mask, Simd},
@@ -76,23 +79,24 @@ struct Blocker {
 }
 
 impl Lists {
-    /// Sorts the shapes of a world by tile; `None` if that would take too much memory, so that
+    /// Sorts some shapes of a world by tile; `None` if that would take too much memory, so that
     /// larger tiles are needed.
     pub(super) fn new(
         world: &World,
+        runs: &[Range<usize>],
         casters: Casters,
         frame: Frame,
         pool: &Pool,
         isa: Isa,
     ) -> Option<Self> {
         let geometries = world.geometries();
-        let most = 5 * geometries.len() + (1 << 16);
-        let parts = pool.map(geometries.chunks(CHUNK).enumerate(), |(chunk, some)| {
+        let most = 5 * count(runs) + (1 << 16);
+        let parts = pool.map(pieces(runs, CHUNK), |piece| {
             isa.run(Project {
                 frame: &frame,
                 casters,
-                geometries: some,
-                first: (chunk * CHUNK) as u32,
+                first: piece.start as u32,
+                geometries: &geometries[piece],
                 most,
             })
         });

@@ -122,11 +122,14 @@ impl<'a> Casting<'a> {
         if lit != 0 && !self.planes.is_empty() {
             lit = self.meet_planes(simd, &rays, points, lit);
         }
-        for index in &self.odd {
-            lit = self.meet_each(simd, &rays, points, lit, *index);
-        }
-        if lit != 0 {
-            match &self.lists {
+        for occluders in &self.occluders {
+            for index in &occluders.odd {
+                lit = self.meet_each(simd, &rays, points, lit, *index);
+            }
+            if lit == 0 {
+                break;
+            }
+            match &occluders.lists {
                 Some(lists) => {
                     lit = self.meet_lists(simd, &rays, points, (lists, lit), last, &mut open)
                 }

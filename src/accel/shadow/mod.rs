@@ -10,22 +10,27 @@ mod meet;
 #[cfg(test)]
 mod tests;
 
+use std::{ops::Range, sync::Arc};
+
 use glam::DVec3;
 
 use crate::{
-    accel::shadow::{
-        frame::{Frame, Survey},
-        lists::Lists,
-        meet::MANY,
+    accel::{
+        bvh::build::Builder,
+        kept::{WorldOfFrame, built},
+        shadow::{
+            frame::{Frame, Survey},
+            lists::Lists,
+            meet::MANY,
+        },
     },
     film::colors::NOTHING,
-    parallel::Pool,
-    simd::{Isa, LANES, Simd},
+    simd::{LANES, Simd},
     tracer::{
         geometry::Geometry,
         light::{Light, Source, falloff::END},
         ray::Ray,
-        shape::plane::Plane,
+        shape::{Extent, plane::Plane},
         world::World,
     },
 };
@@ -117,8 +122,18 @@ struct Casting<'a> {
     toward: Toward,
     /// The planes, and their indices.
     planes: Vec<(u32, &'a Plane)>,
+    occluders: Vec<Arc<Occluders>>,
+}
+
+/// Some geometries that may cast a shadow at the end of rays.
+#[derive(Debug)]
+pub(crate) struct Occluders {
+    is_empty: bool,
+    planes: Vec<u32>,
     /// Other shapes, with numbers that are too extreme for bounds.
     odd: Vec<u32>,
+    /// The corners of the box around all others.
+    corners: [DVec3; 2],
     /// `None` if there are no bounds at all.
     lists: Option<Lists>,
 }
@@ -128,40 +143,81 @@ const ODD: usize = 8;
 /// The number of times that tiles are enlarged until their shapes fit into memory.
 const STEPS: i32 = 12;
 
-impl<'a> Casting<'a> {
-    /// Prepares a light; `None` if nothing casts shadows.
+impl Occluders {
+    /// Finds those among some geometries that cast shadows, on points around them and in a box.
     fn new(
-        world: &'a World,
-        casters: Casters,
-        toward: Toward,
-        pool: &Pool,
-        isa: Isa,
-    ) -> Option<Self> {
-        let survey = Survey::new(world, casters, pool);
-        if survey.is_empty() {
-            return None;
-        }
-        let frame = (survey.odd.len() <= ODD).then(|| Frame::new(toward, &survey));
+        (world, runs): (&World, &[Range<usize>]),
+        (casters, toward): (Casters, Toward),
+        around: Option<[DVec3; 2]>,
+        builder: Builder<'_>,
+    ) -> Self {
+        let mut survey = Survey::new(world, runs, casters, builder.pool);
+        let is_empty = survey.is_empty();
+        around.into_iter().for_each(|around| survey.reach(around));
+        let frame = (!is_empty && survey.odd.len() <= ODD).then(|| Frame::new(toward, &survey));
         let lists = frame.flatten().and_then(|frame| {
             let mut coarser = (0..STEPS).map(|step| frame.coarser(step));
-            coarser.find_map(|frame| Lists::new(world, casters, frame, pool, isa))
+            coarser.find_map(|frame| {
+                Lists::new(world, runs, casters, frame, builder.pool, builder.isa)
+            })
         });
-        Some(Self {
-            geometries: world.geometries(),
-            casters,
-            toward,
+        Self {
+            is_empty,
             planes: survey.planes,
             odd: survey.odd,
+            corners: survey.corners,
             lists,
+        }
+    }
+}
+
+impl<'a> Casting<'a> {
+    /// Prepares a light with this number; `None` if nothing casts shadows.
+    fn new(
+        world: WorldOfFrame<'a>,
+        casters: Casters,
+        (number, toward): (usize, Toward),
+        builder: Builder<'_>,
+    ) -> Option<Self> {
+        let key = ((number, casters), toward);
+        let occluders = built(
+            world,
+            |kept| &kept.occluders,
+            key,
+            builder.cancel,
+            |runs, still| {
+                let around = still.map(|still| still.corners);
+                let light = (casters, toward);
+                Some(Occluders::new((world.0, runs), light, around, builder))
+            },
+        )?;
+        let occluders = occluders.into_iter().filter(|some| !some.is_empty);
+        let occluders: Vec<Arc<_>> = occluders.collect();
+        let geometries = world.0.geometries();
+        let plane = |index: u32| match geometries.get(index as usize)?.shape().extent() {
+            Extent::Plane(plane) => Some((index, plane)),
+            Extent::Ball(..) => None,
+        };
+        let planes = occluders
+            .iter()
+            .flat_map(|some| some.planes.iter().copied());
+        let planes = planes.filter_map(plane).collect();
+        (!occluders.is_empty()).then_some(Self {
+            geometries,
+            casters,
+            toward,
+            planes,
+            occluders,
         })
     }
 
     /// Returns true if nothing may be known of some points that are no farther than `distance` from
     /// `eye`.
     fn leaves_open(&self, eye: DVec3, distance: f64) -> bool {
-        self.lists
-            .as_ref()
-            .is_none_or(|lists| lists.longest() > MANY || !lists.frame.reaches(eye, distance))
+        self.occluders.iter().any(|some| {
+            let lists = some.lists.as_ref();
+            lists.is_none_or(|lists| lists.longest() > MANY || !lists.frame.reaches(eye, distance))
+        })
     }
 }
 
@@ -194,9 +250,13 @@ pub(crate) struct Shadowed {
 }
 
 impl<'a> Shadows<'a> {
-    /// Prepares a light.
-    pub(crate) fn new(world: &'a World, toward: Toward, pool: &Pool, isa: Isa) -> Self {
-        let casting = |casters| Casting::new(world, casters, toward, pool, isa);
+    /// Prepares a light with this number.
+    pub(crate) fn new(
+        world: WorldOfFrame<'a>,
+        light: (usize, Toward),
+        builder: Builder<'_>,
+    ) -> Self {
+        let casting = |casters| Casting::new(world, casters, light, builder);
         Self {
             opaque: casting(Casters::Opaque),
             glass: casting(Casters::Glass),

@@ -6,6 +6,7 @@ use crate::{
     accel::{
         bvh::build::Builder,
         index_shapes,
+        kept::Kept,
         shadow::{Casters, Casting, Points, Toward},
     },
     parallel::Pool,
@@ -270,8 +271,17 @@ fn every_point_agrees_with_the_plain_loop() {
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let indexed = world.without_indices();
         index_shapes(indexed.geometries(), Builder::new(&pool, Isa::best()));
-        for isa in Isa::all() {
-            let Some(casting) = Casting::new(&indexed, casters, toward, &pool, isa) else {
+        let frames = Kept::of_some(&indexed, &mut Rng(case as u64 + 1));
+        let kept = frames.as_ref().map(|(kept, other)| {
+            let builder = Builder::new(&pool, Isa::best());
+            let _ = Casting::new((other, Some(kept)), casters, (0, toward), builder);
+            kept
+        });
+        let frames = kept.map(|kept| (Isa::best(), Some(kept)));
+        let alone = Isa::all().into_iter().map(|isa| (isa, None));
+        for (isa, kept) in alone.chain(frames) {
+            let (world, builder) = ((&indexed, kept), Builder::new(&pool, isa));
+            let Some(casting) = Casting::new(world, casters, (0, toward), builder) else {
                 assert!(!expected.contains(&true));
                 continue;
             };
@@ -290,7 +300,7 @@ fn every_point_agrees_with_the_plain_loop() {
                 };
                 assert!(
                     is_right,
-                    "case {case}, {}: {} is {found:?} from {:?} to {toward:?} in {world:?}",
+                    "case {case}, {}, {kept:?}: {} is {found:?} from {:?} to {toward:?} in {indexed:?}",
                     isa.name(),
                     point(place),
                     own[place],

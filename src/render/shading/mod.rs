@@ -69,9 +69,11 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             OutlineMask::check(outlines, self.samples)?;
         }
         let shadows: Vec<_> = work.watch.time(|| {
-            let of = |toward| Shadows::new(self.world, toward, work.pool, self.isa);
-            let lights = self.world.lights().iter();
-            lights.map(|light| Toward::of(light).map(of)).collect()
+            let world = (self.world, work.kept);
+            let of = |light| Shadows::new(world, light, work.builder(self.isa));
+            let lights = self.world.lights().iter().enumerate();
+            let lights = lights.map(|(number, light)| Some((number, Toward::of(light)?)));
+            lights.map(|light| light.map(of)).collect()
         });
         let state = State {
             search: &self.search(self.samples),
