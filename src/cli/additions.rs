@@ -4,7 +4,7 @@ use std::path::Path;
 
 use strahl::{Document, ReadOptions};
 
-use super::Failure;
+use super::failure::Failure;
 
 /// What is added to a scene.
 #[derive(clap::Args)]

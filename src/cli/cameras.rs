@@ -2,7 +2,7 @@
 
 use strahl::{Scene, report::FileReport};
 
-use super::{Failure, scene};
+use super::{failure::Failure, scene};
 
 /// The placeholder for the name of a camera in a file name.
 const PLACE: &str = "{camera}";

@@ -11,7 +11,8 @@ use strahl::{
 };
 
 use super::{
-    Failure, interrupt,
+    failure::Failure,
+    interrupt,
     paths::{is_dash, is_same},
     scene::{self, SceneArgs, TableArgs},
 };
@@ -84,7 +85,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     }
     let text = text(document, syntax, &args)?;
     if is_stdout {
-        super::print(&text)
+        super::output::print(&text)
     } else {
         write_file(&args.output, text.as_bytes(), &cancel)?;
         scene::report_written(&args.output, "", false);

@@ -12,7 +12,7 @@ use std::{
 
 use strahl::{image_file::write_file, parallel::Cancel};
 
-use super::{Failure, paths::is_dash};
+use super::{failure::Failure, paths::is_dash};
 
 /// The rule that files depend on sources, as text.
 pub(super) struct Rule(Vec<u8>);

@@ -2,7 +2,7 @@
 
 use strahl::diagnostic::{Code, describe};
 
-use super::{Failure, words::one_of};
+use super::{failure::Failure, words::one_of};
 
 /// Print the page of a diagnostic code, or the list of all codes
 #[derive(clap::Args)]
@@ -15,8 +15,8 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     match args.code {
-        Some(code) => super::print(describe(code)),
-        None => super::print(&list()),
+        Some(code) => super::output::print(describe(code)),
+        None => super::output::print(&list()),
     }
 }
 

@@ -11,8 +11,8 @@ use strahl::{
 };
 
 use super::{
-    Failure,
     config::ConfigArgs,
+    failure::Failure,
     interrupt,
     line_diff::LineDiff,
     paths::{PathArgs, is_dash},
@@ -102,11 +102,11 @@ fn format(
             Failure::worst(print_diff(document, &formatted), Err(Failure::Found))
         }
         _ if args.check && has_changed => {
-            let printed = super::print(&format!("{}\n", sanitize(document.name())));
+            let printed = super::output::print(&format!("{}\n", sanitize(document.name())));
             Failure::worst(printed, Err(Failure::Found))
         }
         _ if args.diff || args.check => Ok(()),
-        None => super::print(&formatted),
+        None => super::output::print(&formatted),
         Some(path) if has_changed => {
             let text = document.text().as_bytes();
             Ok(replace_file(path, text, formatted.as_bytes(), cancel)?)

@@ -2,7 +2,7 @@
 
 use strahl::Scene;
 
-use super::Failure;
+use super::failure::Failure;
 
 #[derive(clap::Args)]
 #[group(skip)]

@@ -19,11 +19,12 @@ use self::{
     light::{LightingTerms, Materials},
 };
 use super::{
-    Failure, OutputFormat,
     camera::{CameraTerms, vector},
     depfile,
+    failure::Failure,
     frame::FrameArgs,
     interrupt,
+    output::OutputFormat,
     paths::is_dash,
     progress::{Progress, When},
     render::one::sources,
@@ -109,7 +110,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         bounds: BoundsTerms::of(&scene),
         cameras: views.collect(),
     };
-    super::print_as(args.output_format, Stamp::Info, &info)
+    super::output::print_as(args.output_format, Stamp::Info, &info)
 }
 
 /// Returns the files that a scene depends on, each once: itself, its tables and its parts with

@@ -14,7 +14,7 @@ use strahl::{
 };
 
 use super::{
-    Failure, STDOUT,
+    failure::{Failure, STDOUT},
     frame::FrameArgs,
     paths::is_dash,
     render::one,

@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 use clap::CommandFactory;
 use strahl::Error;
 
-use super::{Cli, Failure};
+use super::{Cli, failure::Failure};
 
 /// Write the man pages into a folder
 #[derive(clap::Args)]

@@ -14,8 +14,8 @@ use strahl::{
 };
 
 use super::{
-    Failure,
     cameras::CameraArgs,
+    failure::Failure,
     interrupt,
     picture::PictureArgs,
     record::{self, Done, Line, Recorder, Records, Written},

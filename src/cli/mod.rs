@@ -11,6 +11,7 @@ mod convert;
 mod depfile;
 mod diff;
 mod explain;
+mod failure;
 mod fit;
 mod fmt;
 mod frame;
@@ -23,6 +24,7 @@ mod lsp;
 mod man;
 mod merge;
 mod new;
+mod output;
 mod params;
 mod paths;
 mod picture;
@@ -47,19 +49,14 @@ mod watcher;
 mod words;
 
 use std::{
-    fmt::Display,
     io::{self, Write},
-    path::Path,
     process::ExitCode,
     time::Instant,
 };
 
-use clap::{Parser, Subcommand, ValueEnum};
-use serde::Serialize;
-use strahl::{
-    Error, ErrorKind,
-    text::{Stamp, Stamped, sanitize},
-};
+use clap::{Parser, Subcommand};
+
+use self::{failure::Failure, output::for_people};
 
 /// Render scenes from RON and JSON files, exactly
 #[derive(Parser)]
@@ -94,121 +91,6 @@ enum Command {
     Explain(explain::Args),
     Completions(completions::Args),
     Man(man::Args),
-}
-
-/// The name of standard output in messages.
-const STDOUT: &str = "<stdout>";
-
-/// The output format of a command's result.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum OutputFormat {
-    /// Human-readable text
-    Human,
-    /// One JSON object
-    Json,
-}
-
-/// The reason why a command failed.
-#[derive(Debug)]
-enum Failure {
-    /// Errors in a scene, or pictures that differ or are missing; already printed.
-    Found,
-    /// Wrong usage or an unreadable file; already printed.
-    Reported,
-    /// An error from the library.
-    Library(Error),
-    /// A wrong argument that clap does not detect.
-    Usage(String),
-    /// An unusable table of values.
-    Table(Box<params::TableFaults>),
-    /// A closed output: the reader of the result has seen enough. The exit status is that of the
-    /// result.
-    Closed { status: u8 },
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Library(error)
-    }
-}
-
-impl From<serde_json::Error> for Failure {
-    fn from(error: serde_json::Error) -> Self {
-        Self::usage(error.to_string())
-    }
-}
-
-impl Failure {
-    fn usage(message: impl Into<String>) -> Self {
-        Self::Usage(message.into())
-    }
-
-    /// Returns the failure for a file that the command cannot use.
-    fn refused(path: &Path, why: impl Display) -> Self {
-        Self::Usage(format!("{}: {why}", path.display()))
-    }
-
-    /// Returns the failure for text that could not be written to standard output.
-    fn stdout(error: io::Error) -> Self {
-        if error.kind() == io::ErrorKind::BrokenPipe {
-            Self::Closed { status: 0 }
-        } else {
-            Self::Library(Error::writing_failed(STDOUT, error))
-        }
-    }
-
-    fn status(&self) -> u8 {
-        match self {
-            Self::Closed { status } => *status,
-            Self::Found => 1,
-            Self::Reported | Self::Usage(_) | Self::Table(_) => 2,
-            Self::Library(error) => match error.kind() {
-                ErrorKind::Scene | ErrorKind::Incomplete => 1,
-                ErrorKind::Unavailable => 75,
-                ErrorKind::Interrupted => interrupt::STATUS,
-                _ => 2,
-            },
-        }
-    }
-
-    /// Returns the failure that determines the exit status: 2 before 75 before 1. Prints the
-    /// message of the other one.
-    fn worst(one: Result<(), Self>, other: Result<(), Self>) -> Result<(), Self> {
-        let rank = |failure: &Self| match failure.status() {
-            2 => 3,
-            75 => 2,
-            status => u8::from(status != 0),
-        };
-        match (one, other) {
-            (Err(one), Err(other)) => {
-                let (worst, other) = if rank(&one) >= rank(&other) {
-                    (one, other)
-                } else {
-                    (other, one)
-                };
-                other.print();
-                Err(worst)
-            }
-            (one, other) => one.and(other),
-        }
-    }
-
-    /// Prints the message, unless it has been printed already.
-    fn print(&self) {
-        if let Some(message) = self.message() {
-            scene::print_error(&message);
-        }
-    }
-
-    /// Returns the message that has not been printed yet.
-    fn message(&self) -> Option<String> {
-        match self {
-            Self::Found | Self::Reported | Self::Closed { .. } => None,
-            Self::Library(error) => Some(error.to_string()),
-            Self::Usage(message) => Some(message.clone()),
-            Self::Table(faults) => Some(faults.message()),
-        }
-    }
 }
 
 /// Parses the arguments, runs the command and reports its result.
@@ -271,41 +153,6 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     }
-}
-
-/// Returns a result as indented JSON.
-fn json(stamp: Stamp, result: &impl Serialize) -> Result<String, Failure> {
-    let json = serde_json::to_string_pretty(&Stamped::new(stamp, result))?;
-    Ok(json + "\n")
-}
-
-/// Prints a result in the requested format.
-fn print_as<T: Serialize + Display>(
-    format: OutputFormat,
-    stamp: Stamp,
-    result: &T,
-) -> Result<(), Failure> {
-    print(&match format {
-        OutputFormat::Human => for_people(&result.to_string()),
-        OutputFormat::Json => json(stamp, result)?,
-    })
-}
-
-/// Returns a text for people, in which nothing acts on a terminal, whatever names it contains.
-fn for_people(text: &str) -> String {
-    let lines = text.lines();
-    lines
-        .flat_map(|line| [sanitize(line), "\n".into()])
-        .collect()
-}
-
-/// Prints a command's result.
-fn print(text: &str) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    let written = stdout.write_all(text.as_bytes());
-    written
-        .and_then(|()| stdout.flush())
-        .map_err(Failure::stdout)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use strahl::{
     scene::{SCHEMA_URL, new_lit_scene, new_scene},
 };
 
-use super::{Failure, paths::is_dash, scene::report_written};
+use super::{failure::Failure, paths::is_dash, scene::report_written};
 
 /// Write a small scene to start from
 #[derive(clap::Args)]
@@ -29,7 +29,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         false => new_scene,
     };
     if is_dash(file) {
-        return super::print(scene(Syntax::Ron));
+        return super::output::print(scene(Syntax::Ron));
     }
     let syntax = Syntax::of_path(file)
         .ok_or_else(|| Failure::refused(file, "unknown file extension, expected .ron or .json"))?;

@@ -21,7 +21,7 @@ use strahl::{
 
 use self::place::Line;
 pub(super) use self::place::{TableFaults, Told};
-use super::{Failure, bounded};
+use super::{bounded, failure::Failure};
 
 /// The maximum size of a table, in MiB.
 const LONGEST: u64 = 256;

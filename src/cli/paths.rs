@@ -7,7 +7,7 @@ use std::{
 
 use strahl::{Error, diagnostic::open_file};
 
-use super::{Failure, bounded};
+use super::{bounded, failure::Failure};
 
 /// The maximum size of a list of paths, in MiB.
 const LONGEST_LIST: u64 = 64;

@@ -8,7 +8,7 @@ use strahl::{
     render::Layer,
 };
 
-use super::{Failure, report::ImageTerms, words::one_of};
+use super::{failure::Failure, report::ImageTerms, words::one_of};
 
 /// The options for drawing and saving a picture.
 #[derive(clap::Args)]

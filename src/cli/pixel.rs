@@ -19,10 +19,11 @@ use self::{
     light::LightTerms,
 };
 use super::{
-    Failure, OutputFormat,
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
+    failure::Failure,
     frame::FrameArgs,
+    output::OutputFormat,
     report::{InParts, write_names},
     scene::InputArgs,
 };
@@ -82,7 +83,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let camera = scene.camera_for(size)?;
     let (frame, never) = (args.frame.number(), Cancel::new());
     let explanation = Explanation::new(&scene, &camera, frame, size, (x, y), &never)?;
-    super::print_as(args.output_format, Stamp::Pixel, &explanation)
+    super::output::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
 /// The explanation of a pixel.

@@ -19,7 +19,7 @@ use strahl::{
     text::Stamp,
 };
 
-use super::{Failure, paths::is_dash};
+use super::{failure::Failure, paths::is_dash};
 
 /// A geometry of the world, and its place in the scene.
 #[derive(Clone, Serialize)]
@@ -199,7 +199,7 @@ pub(super) fn write(
 /// Writes a report to its destination.
 pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(), Failure> {
     if is_dash(path) {
-        return super::print(text);
+        return super::output::print(text);
     }
     Ok(write_file(path, text.as_bytes(), cancel)?)
 }

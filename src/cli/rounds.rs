@@ -14,7 +14,7 @@ use strahl::{
     text::sanitize,
 };
 
-use super::{Failure, interrupt, threads::lock, watcher::Watcher};
+use super::{failure::Failure, interrupt, threads::lock, watcher::Watcher};
 
 /// The time without a change after which a round begins. A burst of saves is one change, and a file
 /// that is being written is not read while it is still empty.

@@ -21,8 +21,8 @@ use strahl::{
 use terminal_size::{Width, terminal_size};
 
 use super::{
-    Failure,
     config::ConfigArgs,
+    failure::Failure,
     fit::FitArgs,
     paths::is_dash,
     set::{self, SetArgs},
@@ -258,12 +258,6 @@ pub(super) fn report_written(path: &Path, what: impl fmt::Display, quiet: bool) 
         let message = format!("wrote {}{what}", path.display());
         let _ = writeln!(stderr, "{}", sanitize(&message));
     }
-}
-
-/// Prints an error message on one line of standard error.
-pub(super) fn print_error(message: &str) {
-    // If this cannot be written, nobody can be informed.
-    let _ = writeln!(io::stderr(), "error: {}", sanitize(message));
 }
 
 /// The faults of options that have been printed.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use strahl::{image_file::write_file, parallel::Cancel, scene::schema};
 
-use super::{Failure, paths::is_dash};
+use super::{failure::Failure, paths::is_dash};
 
 /// Print the JSON Schema of the scene format, for editors
 #[derive(clap::Args)]
@@ -18,6 +18,6 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     match args.output {
         Some(path) if !is_dash(&path) => Ok(write_file(path, schema().as_bytes(), &Cancel::new())?),
-        _ => super::print(&schema()),
+        _ => super::output::print(&schema()),
     }
 }

@@ -6,7 +6,8 @@ use serde::Serialize;
 use strahl::text::{Stamp, sanitize};
 
 use super::{
-    Failure, OutputFormat,
+    failure::Failure,
+    output::OutputFormat,
     record::{FOLDER, Failed, Plan, Records},
 };
 
@@ -53,7 +54,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::refused(&folder.join(FOLDER), message));
     };
     let status = Status::of(&records, newest, folder);
-    let printed = super::print_as(args.output_format, Stamp::Status, &status);
+    let printed = super::output::print_as(args.output_format, Stamp::Status, &status);
     let result = match status.is_done() {
         true => Ok(()),
         false => Err(Failure::Found),

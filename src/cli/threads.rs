@@ -5,7 +5,7 @@ use std::{
     thread,
 };
 
-use super::Failure;
+use super::failure::Failure;
 
 /// Locks what threads share; a thread that has failed leaves it usable.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

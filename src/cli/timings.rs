@@ -13,7 +13,7 @@ use strahl::{
     text::Stamp,
 };
 
-use super::OutputFormat;
+use super::output::OutputFormat;
 
 /// The figures that `--timings` prints besides the times.
 pub(super) struct Work {

@@ -20,8 +20,8 @@ use strahl::{
 
 use self::parts::Parts;
 use super::{
-    Failure,
     config::ConfigArgs,
+    failure::Failure,
     fmt::print_diff,
     interrupt,
     levels::LevelArgs,

@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::{
-    Failure,
     cameras::CameraArgs,
+    failure::Failure,
     frame::FrameArgs,
     paths::is_dash,
     render::{

@@ -20,7 +20,7 @@ use notify::{
 };
 
 use super::{
-    Failure,
+    failure::Failure,
     threads::{lock, spawn},
 };
 

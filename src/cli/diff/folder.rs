@@ -11,7 +11,7 @@ use std::{
 use strahl::{Error, ImageFormat, compare::CompareOptions, parallel::in_order};
 
 use super::{
-    super::Failure,
+    super::failure::Failure,
     Args,
     results::Results,
     row::{Images, PicturePair, Shown, Verdict, compare, same_bytes},

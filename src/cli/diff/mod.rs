@@ -24,7 +24,7 @@ use self::{
     results::Results,
     row::{Images, PicturePair, compare},
 };
-use super::{Failure, interrupt, paths::is_same, scene::ThreadArgs};
+use super::{failure::Failure, interrupt, paths::is_same, scene::ThreadArgs};
 
 /// Compare two pictures, or the pictures of two folders
 ///

@@ -20,7 +20,7 @@ use strahl::{
 };
 
 use super::{
-    super::Failure,
+    super::failure::Failure,
     Args, Format,
     page::Page,
     row::{PicturePair, Shown, Verdict},
@@ -101,12 +101,14 @@ impl<'a> Results<'a> {
             self.write(html, page.as_bytes())?;
         }
         let text = match self.args.output_format {
-            Format::Human if self.of_folders => super::super::for_people(&self.to_text(&summary)),
-            Format::Human => super::super::for_people(&self.pair_text()),
+            Format::Human if self.of_folders => {
+                super::super::output::for_people(&self.to_text(&summary))
+            }
+            Format::Human => super::super::output::for_people(&self.pair_text()),
             Format::Json => self.json(&summary)?,
             Format::Junit => junit(&self.rows)?,
         };
-        let printed = super::super::print(&text);
+        let printed = super::super::output::print(&text);
         let mut rows = self.rows.iter();
         let result = if summary.counts.get(&Verdict::Unreadable) > Some(&0) {
             Err(Failure::Reported)
@@ -179,7 +181,7 @@ impl<'a> Results<'a> {
                 report,
                 updated,
             };
-            return super::super::json(Stamp::Diff, &one);
+            return super::super::output::json(Stamp::Diff, &one);
         }
         let [a, b] = [&self.args.a, &self.args.b].map(|side| side.to_string_lossy().into_owned());
         let folders = Folders {
@@ -188,7 +190,7 @@ impl<'a> Results<'a> {
             summary,
             pictures: &self.rows,
         };
-        super::super::json(Stamp::DiffFolder, &folders)
+        super::super::output::json(Stamp::DiffFolder, &folders)
     }
 }
 

@@ -34,7 +34,7 @@ use self::{
     server::{Event, Server},
     settings::Settings,
 };
-use super::{Failure, config::ConfigArgs, scene, threads::spawn};
+use super::{config::ConfigArgs, failure::Failure, scene, threads::spawn};
 
 /// Serve an editor: diagnostics, completion and more, by the Language Server Protocol
 #[derive(clap::Args)]

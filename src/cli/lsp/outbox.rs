@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{
-    super::{Failure, threads::spawn},
+    super::{failure::Failure, threads::spawn},
     wire,
 };
 

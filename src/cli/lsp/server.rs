@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use strahl::session::Turns;
 
 use super::{
-    super::Failure,
+    super::failure::Failure,
     capabilities,
     client::Client,
     diagnostics,

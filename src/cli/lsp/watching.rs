@@ -9,7 +9,7 @@ use std::{
 use serde_json::json;
 
 use super::{
-    super::{Failure, watcher::Watcher},
+    super::{failure::Failure, watcher::Watcher},
     client::Client,
     documents::Changes,
     outbox::Outbox,

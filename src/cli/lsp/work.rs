@@ -15,7 +15,7 @@ use strahl::parallel::Cancel;
 
 use super::{
     super::{
-        Failure,
+        failure::Failure,
         threads::{lock, spawn},
     },
     outbox::{NO_THREADS, Outbox, refused},

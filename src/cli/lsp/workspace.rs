@@ -19,7 +19,7 @@ use strahl::{
 };
 
 use super::{
-    super::{Failure, threads::lock},
+    super::{failure::Failure, threads::lock},
     client::Client,
     diagnostics,
     document::Snapshot,

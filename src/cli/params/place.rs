@@ -10,7 +10,7 @@ use strahl::{
 };
 
 use super::{Columns, Format, Params, ParamsRow};
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 
 /// The column that numbers the rows.
 const ID: &str = "id";

@@ -20,7 +20,7 @@ use super::{
     routes::{Refusal, refuse},
     unavailable,
 };
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 
 /// The port of an address that names none.
 const HTTP: u16 = 80;

@@ -36,8 +36,8 @@ use self::{
     routes::App,
 };
 use super::{
-    Failure, config::ConfigArgs, interrupt, paths::is_dash, scene, set::SetArgs, threads::spawn,
-    watcher::Watcher,
+    config::ConfigArgs, failure::Failure, interrupt, paths::is_dash, scene, set::SetArgs,
+    threads::spawn, watcher::Watcher,
 };
 
 /// The fault of a page that the system refuses.
@@ -103,7 +103,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let desk = Arc::new(Desk::new(session, path.clone(), syntax, text, cancel));
     let guard = Guard::new(address, Arc::clone(&opening))?;
     let url = guard.url();
-    super::print(&format!("{url}\n"))?;
+    super::output::print(&format!("{url}\n"))?;
     if !args.no_open && opening.open(&url).is_err() {
         let _ = writeln!(io::stderr(), "open the address above in a browser");
     }

@@ -21,7 +21,8 @@ use super::{
     summary::Outcome,
 };
 use crate::cli::{
-    Failure, cameras,
+    cameras,
+    failure::Failure,
     paths::{is_dash, is_same},
     record::{Done, Line, Written},
     report,

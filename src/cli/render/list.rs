@@ -18,7 +18,7 @@ use super::{
     items::{Item, items},
     pattern::Pattern,
 };
-use crate::cli::{Failure, params::Params, paths, threads::lock};
+use crate::cli::{failure::Failure, params::Params, paths, threads::lock};
 
 /// The pictures that a run makes.
 pub(super) struct List {

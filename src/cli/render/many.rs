@@ -27,7 +27,7 @@ use super::{
     summary::{Outcome, Summary},
 };
 use crate::cli::{
-    Failure,
+    failure::{self, Failure},
     params::Told,
     progress::Progress,
     record::{self, Failed, Line, Recorder, Records},
@@ -174,7 +174,7 @@ impl Run<'_> {
                 let is_new = summary.is_new(&failure);
                 if let Some(message) = failure.message().filter(|_| is_new) {
                     let title = self.list.title(item);
-                    let print = || scene::print_error(&format!("{title}: {message}"));
+                    let print = || failure::print_error(&format!("{title}: {message}"));
                     self.progress.beside(print);
                 }
                 Outcome::of_failure(&failure)

@@ -29,12 +29,13 @@ use strahl::{
 
 use self::{frames::Frames, pattern::Pattern};
 use super::{
-    Failure, OutputFormat,
     additions::AdditionArgs,
     cameras::CamerasArgs,
     config::ConfigArgs,
+    failure::Failure,
     fit::FitArgs,
     interrupt,
+    output::OutputFormat,
     paths::PathArgs,
     picture::PictureArgs,
     progress::{Progress, When},

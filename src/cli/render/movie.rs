@@ -10,7 +10,10 @@ use strahl::{
 };
 
 use super::{Drawing, frames::Frames};
-use crate::cli::{Failure, STDOUT, picture::PictureArgs};
+use crate::cli::{
+    failure::{Failure, STDOUT},
+    picture::PictureArgs,
+};
 
 /// Number of frames per thread that are being drawn or wait to be written.
 const AHEAD: usize = 2;

@@ -24,7 +24,11 @@ use super::{
     movie::{self, Movie},
     pattern::Pattern,
 };
-use crate::cli::{Failure, STDOUT, depfile, paths, report, scene};
+use crate::cli::{
+    depfile,
+    failure::{Failure, STDOUT},
+    paths, report, scene,
+};
 
 /// A file to draw from one scene, as a command asks for it.
 pub(crate) struct Order<'a> {

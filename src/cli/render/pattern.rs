@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::Failure;
+use super::super::failure::Failure;
 
 /// A name with placeholders, such as `out/{scene}_{frame:04}.png`; `{{` and `}}` are braces.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use super::{
     source::{RowFaults, with_row},
 };
 use crate::cli::{
-    Failure,
+    failure::Failure,
     params::{Columns, Params},
 };
 

@@ -6,7 +6,7 @@ use serde_json::json;
 use strahl::{Document, Scene, Size, Syntax, scene::Setting};
 
 use super::{list::List, source::with_row};
-use crate::cli::{Failure, params::Columns};
+use crate::cli::{failure::Failure, params::Columns};
 
 /// The maximum number of geometries of all rows, which are kept in memory.
 const MOST: usize = 1 << 24;

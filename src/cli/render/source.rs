@@ -14,7 +14,7 @@ use strahl::{Diagnostic, Document, Scene, jobs::SceneFile, report::FileReport};
 
 use super::{list::List, shared::Shared};
 use crate::cli::{
-    Failure,
+    failure::Failure,
     params::{Columns, Params, TableFaults, Told},
     scene, set,
     threads::lock,

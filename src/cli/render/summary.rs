@@ -12,7 +12,7 @@ use strahl::{ErrorKind, text::Stamp};
 
 use super::{items::Item, list::List};
 use crate::cli::{
-    Failure,
+    failure::Failure,
     record::{Done, Written},
 };
 

@@ -17,7 +17,7 @@ use strahl::{
 
 use super::Args;
 use crate::cli::{
-    Failure,
+    failure::Failure,
     rounds::{Rounds, WAITING, print_line},
     scene,
 };
