@@ -12,7 +12,7 @@ use strahl::{Error, ImageFormat, compare::CompareOptions, parallel::in_order};
 
 use super::{
     super::failure::Failure,
-    Args,
+    args::Args,
     results::Results,
     row::{Images, PicturePair, Shown, Verdict, compare, same_bytes},
 };

@@ -1,5 +1,6 @@
 //! `strahl diff`: comparison of two pictures or of the pictures in two folders.
 
+mod args;
 mod folder;
 mod limits;
 mod page;
@@ -7,79 +8,18 @@ mod pair;
 mod results;
 mod row;
 
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{path::Path, time::Instant};
 
-use clap::ValueEnum;
-use strahl::{
-    ImageFormat,
-    compare::{CompareOptions, PictureOptions},
-};
+use strahl::{ImageFormat, compare::CompareOptions};
+
+pub(crate) use args::Args;
 
 use self::{
     folder::Pairs,
-    limits::Limits,
     results::Results,
     row::{Images, PicturePair, compare},
 };
-use super::{failure::Failure, interrupt, paths::is_same, scene::ThreadArgs};
-
-/// Compare two pictures, or the pictures of two folders
-///
-/// Pictures of folders are paired by name; a picture that is missing on either side is a failure.
-/// By default, every difference is a failure, with exit status 1. With limits, only the limits
-/// decide. Pictures of different sizes always fail.
-#[derive(clap::Args)]
-#[group(skip)]
-pub(crate) struct Args {
-    /// The golden picture: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or NPZ; or a
-    /// folder of pictures
-    a: PathBuf,
-    /// The new picture, in the same format or another; or a folder
-    b: PathBuf,
-    /// Write a heat picture: the brighter, the more visible the difference. For folders, a folder
-    /// with one heat picture per failure
-    #[arg(short, long, value_name = "HEAT")]
-    output: Option<PathBuf>,
-    /// Write an HTML page of the failures: golden, new and heat picture side by side
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
-    /// Accept failures: copy new pictures over the golden ones. Golden pictures without a new one
-    /// are kept
-    #[arg(long)]
-    update: bool,
-    #[command(flatten)]
-    limits: Limits,
-    /// Maximum number of pixels that a file may declare; default: 268435456
-    #[arg(long, value_name = "N")]
-    max_pixels: Option<u64>,
-    #[command(flatten)]
-    threads: ThreadArgs,
-    /// Output format
-    #[arg(long, value_name = "FORMAT", default_value = "human")]
-    output_format: Format,
-}
-
-/// The output format of the result.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// Human-readable text
-    Human,
-    /// One JSON object
-    Json,
-    /// JUnit XML, with one test per picture
-    Junit,
-}
-
-impl Args {
-    fn reading(&self) -> PictureOptions {
-        let reading = PictureOptions::new();
-        self.max_pixels
-            .map_or(reading, |most| reading.max_pixels(most))
-    }
-}
+use super::{failure::Failure, interrupt, paths::is_same};
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = interrupt::cancel_on_signal();

@@ -21,7 +21,7 @@ use strahl::{
 
 use super::{
     super::failure::Failure,
-    Args, Format,
+    args::{Args, Format},
     page::Page,
     row::{PicturePair, Shown, Verdict},
 };

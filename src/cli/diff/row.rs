@@ -13,7 +13,7 @@ use strahl::{
     diagnostic::open_file,
 };
 
-use super::{Args, pair::Report};
+use super::{args::Args, pair::Report};
 
 /// The result of comparing two pictures, in the order of the summary.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -6,7 +6,7 @@ use lsp_types::{
 };
 use strahl::scene::CompletionKind;
 
-use super::{document::Snapshot, requests::Result};
+use super::{document::Snapshot, work::Result};
 
 pub(super) fn complete(
     snapshot: &Snapshot,

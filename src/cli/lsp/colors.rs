@@ -5,7 +5,7 @@ use lsp_types::{
 };
 use strahl::{Color, scene::Source};
 
-use super::{document::Snapshot, requests::Result};
+use super::{document::Snapshot, work::Result};
 
 /// The most colors that are sent: editors show fewer.
 const MOST: usize = 5000;

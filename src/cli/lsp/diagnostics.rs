@@ -20,9 +20,8 @@ use super::{
     client::Client,
     document::{Latest, OpenDocument, Waiting, Wish},
     outbox::Outbox,
-    requests,
     text::Places,
-    work::{Pace, Work},
+    work::{Pace, Work, value},
 };
 
 /// Returns the diagnostics of a text as the client gets them; errors are kept before warnings.
@@ -176,7 +175,7 @@ pub(super) fn answer_or_wait(
             let snapshot = document.snapshot(client);
             work.answer(id, Pace::Slow, move |_| {
                 let actions = latest.map(|latest| actions::all(&snapshot, &latest, &params));
-                requests::value(actions)
+                value(actions)
             });
         }
     }

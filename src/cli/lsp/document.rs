@@ -18,10 +18,10 @@ use strahl::{
 
 use super::{
     client::Client,
-    server::Event,
     settings::OfScene,
     text::{Places, Replaced, Text},
     uri,
+    wire::Incoming,
 };
 
 /// The number of bytes up to which every change is checked at once.
@@ -106,6 +106,17 @@ pub(super) enum Wish {
     /// The diagnostics; the client may know a result.
     Diagnostics(Option<String>),
     Actions(Box<lsp_types::CodeActionParams>),
+}
+
+/// Something that the server reacts to.
+pub(super) enum Event {
+    Incoming(Incoming),
+    /// The result of a check.
+    Checked(Report),
+    /// Files that have changed.
+    Files(Vec<PathBuf>),
+    /// The client is gone.
+    End,
 }
 
 /// The result of a check, on its way to the document.

@@ -11,8 +11,7 @@ use std::{
 use strahl::session::Turns;
 
 use super::{
-    document::{OpenDocument, Report},
-    server::Event,
+    document::{Event, OpenDocument, Report},
     settings::Settings,
 };
 

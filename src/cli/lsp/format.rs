@@ -8,7 +8,7 @@ use lsp_types::{
 };
 use strahl::text::Edit;
 
-use super::{super::changed_lines::changed_lines, document::Snapshot, requests::Result};
+use super::{super::changed_lines::changed_lines, document::Snapshot, work::Result};
 
 /// Returns the edits that format a text; `None` if it has syntax faults.
 fn edits(snapshot: &Snapshot) -> Option<Vec<Edit>> {

@@ -29,11 +29,7 @@ use std::{
     sync::mpsc,
 };
 
-use self::{
-    outbox::Outbox,
-    server::{Event, Server},
-    settings::Settings,
-};
+use self::{document::Event, outbox::Outbox, server::Server, settings::Settings};
 use super::{config::ConfigArgs, failure::Failure, scene, threads::spawn};
 
 /// Serve an editor: diagnostics, completion and more, by the Language Server Protocol

@@ -8,7 +8,7 @@ use lsp_types::{
 };
 use strahl::scene::Name;
 
-use super::{actions::workspace_edit, document::Snapshot, outbox::refused, requests::Result};
+use super::{actions::workspace_edit, document::Snapshot, outbox::refused, work::Result};
 
 /// Returns the places of the name at a position.
 fn places(snapshot: &Snapshot, position: Position) -> Vec<Name> {

@@ -2,7 +2,7 @@
 
 use std::{thread, time::Duration};
 
-use super::server::Event;
+use super::document::Event;
 use std::sync::mpsc::Sender;
 
 /// The time between two looks. Usually the end of the input comes first.

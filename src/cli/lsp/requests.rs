@@ -11,7 +11,6 @@ use lsp_types::{
         Request as Method, WorkspaceDiagnosticRequest,
     },
 };
-use serde::Serialize;
 
 use super::{
     assist, colors, diagnostics,
@@ -20,11 +19,8 @@ use super::{
     outbox::refused,
     server::Server,
     structure,
-    work::{Answer, Pace},
+    work::{Pace, Result, value},
 };
-
-/// The result of an answer.
-pub(super) type Result<T> = std::result::Result<T, ResponseError>;
 
 /// The requests about one document, each with its pace and the function that finds the answer.
 macro_rules! answers {
@@ -137,10 +133,4 @@ fn wait<M: Method>(
 
 fn not_open(uri: &str) -> ResponseError {
     refused(ErrorCode::InvalidParams, format!("`{uri}` is not open"))
-}
-
-/// Returns a result as JSON.
-pub(super) fn value(result: impl Serialize) -> Answer {
-    let value = serde_json::to_value(result);
-    value.map_err(|error| refused(ErrorCode::InternalError, error.to_string()))
 }

@@ -23,7 +23,7 @@ use super::{
     capabilities,
     client::Client,
     diagnostics,
-    document::{OpenDocument, Report},
+    document::{Event, OpenDocument, Report},
     documents::Documents,
     outbox::{Outbox, refused},
     parent, requests,
@@ -34,17 +34,6 @@ use super::{
     work::Work,
     workspace::Workspace,
 };
-
-/// Something that the server reacts to.
-pub(super) enum Event {
-    Incoming(Incoming),
-    /// The result of a check.
-    Checked(Report),
-    /// Files that have changed.
-    Files(Vec<PathBuf>),
-    /// The client is gone.
-    End,
-}
 
 /// The phase of the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

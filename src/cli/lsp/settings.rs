@@ -15,7 +15,6 @@ use super::{
     super::{config::ConfigArgs, scene::TableArgs},
     open_files::OpenFiles,
     outbox::Outbox,
-    workspace::SettingsOf,
 };
 
 /// The name of the file.
@@ -101,6 +100,9 @@ fn of(tables: &TableArgs, open_files: &OpenFiles, config: &Config) -> OfScene {
         most: config.max_diagnostics().unwrap_or(MOST),
     }
 }
+
+/// The settings of the scenes with a configuration.
+pub(super) type SettingsOf = Box<dyn Fn(&Config) -> OfScene + Send>;
 
 impl OfScene {
     fn in_folder(self, folder: &Path) -> Self {

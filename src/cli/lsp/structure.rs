@@ -6,7 +6,7 @@ use lsp_types::{
 };
 use strahl::scene::{Symbol, SymbolKind};
 
-use super::{document::Snapshot, requests::Result, text::Places, uri};
+use super::{document::Snapshot, text::Places, uri, work::Result};
 
 pub(super) fn symbols(
     snapshot: &Snapshot,

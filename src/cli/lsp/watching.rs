@@ -11,9 +11,9 @@ use serde_json::json;
 use super::{
     super::{failure::Failure, watcher::Watcher},
     client::Client,
+    document::Event,
     documents::Changes,
     outbox::Outbox,
-    server::Event,
 };
 
 /// The files that the client is asked to watch.

@@ -10,6 +10,7 @@ use std::{
 };
 
 use lsp_server::{ErrorCode, RequestId, ResponseError};
+use serde::Serialize;
 use serde_json::Value;
 use strahl::parallel::Cancel;
 
@@ -21,9 +22,17 @@ use super::{
     outbox::{NO_THREADS, Outbox, refused},
 };
 
+/// The result of an answer.
+pub(super) type Result<T, E = ResponseError> = std::result::Result<T, E>;
 /// The answer to a request.
-pub(super) type Answer = Result<Value, ResponseError>;
+pub(super) type Answer = Result<Value>;
 type Job = (RequestId, Cancel, Box<dyn FnOnce(&Cancel) -> Answer + Send>);
+
+/// Returns a result as JSON.
+pub(super) fn value(result: impl Serialize) -> Answer {
+    let value = serde_json::to_value(result);
+    value.map_err(|error| refused(ErrorCode::InternalError, error.to_string()))
+}
 
 /// The time that an answer takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

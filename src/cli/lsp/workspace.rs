@@ -25,7 +25,7 @@ use super::{
     document::Snapshot,
     outbox::{Outbox, refused},
     server::Server,
-    settings::OfScene,
+    settings::{OfScene, SettingsOf},
     text::Places,
     uri,
     work::{Answer, Pace},
@@ -96,9 +96,6 @@ pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagno
         .work
         .answer(id, Pace::Files, move |cancel| run.answer(&settings, cancel));
 }
-
-/// The settings of the scenes with a configuration.
-pub(super) type SettingsOf = Box<dyn Fn(&strahl::jobs::Config) -> OfScene + Send>;
 
 struct FolderCheck {
     client: Arc<Client>,

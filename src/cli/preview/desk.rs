@@ -18,7 +18,7 @@ use tokio::sync::watch;
 
 use super::{
     findings,
-    routes::{Refusal, refuse},
+    refusal::{Refusal, refuse},
 };
 use crate::cli::threads::lock;
 

@@ -10,7 +10,7 @@ use axum::body::Bytes;
 use strahl::parallel::Cancel;
 use tokio::{sync::watch, task};
 
-use super::routes::{Refusal, refuse};
+use super::refusal::{Refusal, refuse};
 use crate::cli::threads::lock;
 
 /// The number of pictures that are kept.

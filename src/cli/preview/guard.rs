@@ -4,7 +4,11 @@
 //! request has to name this host (against DNS rebinding), must not come from another page, and,
 //! unless it asks for a part of the program, has the token that only the printed address contains.
 
-use std::{fmt::Write, net::SocketAddr, sync::Arc};
+use std::{
+    fmt::{Display, Write},
+    net::SocketAddr,
+    sync::Arc,
+};
 
 use axum::{
     extract::{Request, State},
@@ -17,13 +21,14 @@ use super::{
     connections::Trusted,
     opening::Opening,
     page,
-    routes::{Refusal, refuse},
-    unavailable,
+    refusal::{Refusal, refuse},
 };
 use crate::cli::failure::Failure;
 
 /// The port of an address that names none.
 const HTTP: u16 = 80;
+/// The fault of a page that the system refuses.
+pub(super) const LOST: &str = "the page cannot be served";
 /// Number of random bytes in a token.
 const BYTES: usize = 16;
 
@@ -154,6 +159,11 @@ pub(super) async fn watch(
         headers.insert(name, HeaderValue::from_static(value));
     }
     response
+}
+
+/// Returns the failure for a server that cannot run.
+pub(super) fn unavailable(error: &impl Display) -> Failure {
+    Failure::usage(format!("{LOST}: {error}"))
 }
 
 #[cfg(test)]

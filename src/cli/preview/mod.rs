@@ -1,5 +1,6 @@
 //! `strahl preview`: a local page with the text of a scene, its diagnostics and its picture.
 
+mod app;
 mod connections;
 mod desk;
 mod drawings;
@@ -11,11 +12,11 @@ mod parts;
 mod pictures;
 mod places;
 mod references;
+mod refusal;
 mod routes;
 mod texts;
 
 use std::{
-    fmt::Display,
     io::{self, Write},
     net::{Ipv4Addr, SocketAddr, TcpListener},
     path::PathBuf,
@@ -30,18 +31,15 @@ use strahl::{
 };
 
 use self::{
+    app::App,
     desk::{Desk, LONGEST},
-    guard::Guard,
+    guard::{Guard, LOST, unavailable},
     opening::Opening,
-    routes::App,
 };
 use super::{
     config::ConfigArgs, failure::Failure, interrupt, paths::is_dash, scene, set::SetArgs,
     threads::spawn, watcher::Watcher,
 };
-
-/// The fault of a page that the system refuses.
-const LOST: &str = "the page cannot be served";
 
 /// The first port that is tried.
 const PORT: u16 = 8017;
@@ -181,9 +179,4 @@ fn serve(listener: TcpListener, app: App) -> Result<(), Failure> {
     runtime
         .block_on(connections::serve(listener, app.router()))
         .map_err(|error| unavailable(&error))
-}
-
-/// Returns the failure for a server that cannot run.
-fn unavailable(error: &impl Display) -> Failure {
-    Failure::usage(format!("{LOST}: {error}"))
 }

@@ -8,7 +8,7 @@ use strahl::session::{PartList, ScenePart};
 use super::{
     desk::Desk,
     places::{PagePlace, PageSpan},
-    routes::refuse,
+    refusal::refuse,
     texts::{Answer, Version, checked, new_edits},
 };
 

@@ -20,10 +20,11 @@ use strahl::{
 };
 
 use super::{
+    app::App,
     desk::Desk,
     drawings::Drawings,
     places::{PagePlace, PageSpan},
-    routes::{App, Refusal, apart, apart_until_dropped, refuse},
+    refusal::{Refusal, apart, apart_until_dropped, refuse},
     texts::{Answer, checked, new_edits},
 };
 use crate::cli::pixel::Explanation;

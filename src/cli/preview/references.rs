@@ -16,8 +16,9 @@ use serde_json::json;
 use strahl::compare::{CompareOptions, Picture, PictureOptions};
 
 use super::{
+    app::App,
     pictures::{Asked, draw},
-    routes::{App, Refusal, apart, refuse},
+    refusal::{Refusal, apart, refuse},
     texts::Answer,
 };
 use crate::cli::threads::lock;

@@ -22,7 +22,7 @@ use super::{
     },
     desk::Desk,
     places::{PagePlace, PageSpan, PlacedEdit, shown},
-    routes::{Refusal, refuse},
+    refusal::{Refusal, refuse},
 };
 
 /// An answer in JSON.
