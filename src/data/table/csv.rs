@@ -15,7 +15,7 @@ use crate::{
         bytes::{LONGEST_LINE, check_lines, read_bytes},
         fault::{At, Blamed, Fault, LinePart, ReadError, Wrong},
         table::{
-            Request, Table,
+            Table,
             csv::{
                 blocks::Blocks,
                 commas::Commas,
@@ -23,6 +23,7 @@ use crate::{
             },
             kind::RowKind,
             layout::{RADIUS, VALUE},
+            request::Request,
             row_cells::RowCells,
             rows::{Rows, unread},
             select::{Known, Selection, coordinates, other_kind},

@@ -6,7 +6,7 @@ use glam::DVec3;
 use half::f16;
 
 use crate::{
-    data::table::{Defaults, kind::RowKind},
+    data::table::{kind::RowKind, request::Defaults},
     tracer::{
         error::GeometryError,
         shape::{Shape, cylinder::Cylinder, sphere::Sphere},

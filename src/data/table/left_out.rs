@@ -6,10 +6,11 @@ use std::{io, sync::Arc};
 use crate::data::{
     fault::most_listed,
     table::{
-        Defaults, Table,
+        Table,
         check::BadKind,
         kind::RowKind,
         layout::Column,
+        request::Defaults,
         rows::{Empty, Rows},
     },
 };

@@ -17,6 +17,8 @@ pub(crate) mod left_out;
 mod npy;
 mod npz;
 mod ply;
+mod read;
+mod request;
 pub(crate) mod row_cells;
 mod rows;
 pub(crate) mod select;
@@ -32,71 +34,24 @@ pub(crate) use check::{Bad, BadKind};
 pub(crate) use cloud::Cloud;
 pub(crate) use format::Format;
 pub(crate) use layout::Row;
+pub(crate) use request::{Defaults, Request};
 pub(crate) use select::Names;
 pub(crate) use values::Values;
 
 use crate::{
     data::{
-        bytes::{Bytes, Reading, too_large},
-        fault::{BadRows, Blamed, Fault, ReadError, Wrong},
+        bytes::{Bytes, Reading},
+        fault::{BadRows, Fault, ReadError, Wrong},
         table::{
             check::Check,
             extent::Extent,
-            kind::RowKind,
-            layout::{Block, COLORS, Column, Columns, Layout, RADIUS, Scalar, VALUE},
+            layout::{Block, COLORS, Column, Layout, RADIUS, Scalar, VALUE},
             left_out::LeftOut,
             rows::Empty,
         },
     },
-    parallel::Pool,
     tracer::{error::GeometryError, shape::instances::Rows as TransformRows, transform::Transform},
 };
-
-/// What a scene wants from a table.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Request<'a> {
-    pub(crate) defaults: Defaults,
-    /// The name of the column whose values determine the colors.
-    pub(crate) value: Option<&'a str>,
-    /// The names of the columns of a table without names.
-    pub(crate) columns: Option<&'a [Box<str>]>,
-    /// The array among several.
-    pub(crate) array: Option<&'a str>,
-}
-
-impl Request<'_> {
-    /// Returns what a row stands for.
-    const fn kind(&self) -> RowKind {
-        self.defaults.kind
-    }
-
-    /// Rejects names of columns for a table that has its own.
-    fn refuse_columns(&self, has_names: &str) -> Result<(), Fault> {
-        if self.columns.is_none() {
-            return Ok(());
-        }
-        let fault = Fault::new(format!("`columns` is given, but {has_names}"));
-        Err(fault.help("remove `columns`").at(Blamed::Columns))
-    }
-
-    /// Rejects the name of an array for a file that has no named arrays.
-    fn refuse_array(&self) -> Result<(), Fault> {
-        if self.array.is_none() {
-            return Ok(());
-        }
-        let fault = Fault::new("`array` is given, but only .npz files have named arrays");
-        Err(fault.help("remove `array`").at(Blamed::Array))
-    }
-}
-
-/// The values from the scene for rows, or whole tables, without their own.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Defaults {
-    /// What a row stands for.
-    pub(crate) kind: RowKind,
-    pub(crate) radius: Option<f64>,
-    pub(crate) color: Option<[f64; 3]>,
-}
 
 /// Spheres or cylinders in rows; clones share the bytes.
 #[derive(Clone)]
@@ -130,34 +85,6 @@ impl fmt::Debug for Table {
 }
 
 impl Table {
-    /// Reads a table of `length` bytes. No more memory is allocated before the file is known to be
-    /// that large. `pool` returns the threads that read a text of a given length.
-    pub(crate) fn read(
-        reader: impl Read + Send,
-        length: u64,
-        format: Format,
-        request: &Request,
-        pool: impl FnOnce(usize) -> Pool,
-    ) -> Result<Self, ReadError> {
-        if length == 0 {
-            return Err(Fault::new("the file is empty").into());
-        }
-        if format != Format::Npz {
-            request.refuse_array()?;
-        }
-        let size = usize::try_from(length).map_err(|_| too_large());
-        let table = match format {
-            Format::Csv => csv::read(reader, size?, request, pool),
-            Format::Npy => npy::read(reader, length, request),
-            Format::Npz => npz::read(reader, size?, request),
-            Format::Ply => ply::read(reader, size?, request),
-            Format::Xyz => atoms::read_xyz(reader, size?, request),
-            Format::Pdb => atoms::read_pdb(reader, size?, request),
-        }?;
-        let table = table.without_missing(&request.defaults)?;
-        Ok(Self { format, ..table })
-    }
-
     /// Reads the rest of a file and checks its numbers on the way.
     fn read_file(
         mut file: Reading<impl Read>,
@@ -328,13 +255,5 @@ impl Table {
             }
         }
         false
-    }
-}
-
-impl Defaults {
-    fn numbers(&self) -> Columns<Option<f64>> {
-        let [r, g, b] = self.color.map_or([None; 3], |color| color.map(Some));
-        let [x, y, z, to_x, to_y, to_z, value] = [None; 7];
-        [x, y, z, to_x, to_y, to_z, self.radius, r, g, b, value]
     }
 }

@@ -9,9 +9,11 @@ use crate::{
         fault::{Blamed, Fault, ReadError},
         npy::{Descr, Header, not_numbers, remedy, scalar, size_of},
         table::{
-            Names, Request, Table,
+            Table,
             layout::{COLORS, Column, Columns, Layout, RADIUS, Scalar, VALUE},
+            request::Request,
             row_cells::{MOST_CELLS, RowCells},
+            select::Names,
             select::{Known, Selection, columns, coordinates},
         },
     },

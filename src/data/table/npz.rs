@@ -13,10 +13,11 @@ use crate::{
         fault::{Blamed, Fault, ReadError},
         npy::Header,
         table::{
-            Request, Table,
+            Table,
             check::Check,
             layout::{Column, Layout},
             npy::{self, Array, Cell},
+            request::Request,
             row_cells::{MOST_CELLS, RowCells},
             select::{columns, coordinates},
         },

@@ -1,24 +1,12 @@
 //! The cells of one row of a file as text: those of all columns, unlike in a [`Table`](super::Table).
 
-use std::io::{Read, Seek};
-
-use crate::{
-    data::{
-        bytes::too_large,
-        fault::ReadError,
-        table::{Format, Request, atoms, csv, npy, npz, ply},
-    },
-    text::sanitize::sanitize,
-};
+use crate::text::sanitize::sanitize;
 
 /// The number of cells that are shown.
 pub(super) const MOST_CELLS: usize = 20;
 
 /// The number of letters of a cell, or of the name of a column, that are shown.
 const LONGEST: usize = 40;
-
-/// The number of bytes that are read to find a row. Rows of an .npy file need no search.
-const MOST_BYTES: u64 = 1 << 28;
 
 /// The first cells of a row of a table, as text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,31 +21,6 @@ pub struct RowCells {
 }
 
 impl RowCells {
-    /// Reads the cells of a row of a file, which counts from 0.
-    pub(crate) fn read(
-        reader: impl Read + Seek,
-        length: u64,
-        format: Format,
-        request: &Request,
-        row: usize,
-    ) -> Result<Self, ReadError> {
-        if format == Format::Npy {
-            return npy::row_cells(reader, length, request, row);
-        }
-        if format != Format::Csv && length > MOST_BYTES {
-            return Err(too_large().into());
-        }
-        let length = usize::try_from(length).map_err(|_| too_large())?;
-        let reader = reader.take(MOST_BYTES);
-        match format {
-            Format::Csv | Format::Npy => csv::row_cells(reader, length, request, row),
-            Format::Npz => npz::row_cells(reader, length, request, row),
-            Format::Ply => ply::row_cells(reader, length, row),
-            Format::Xyz => atoms::xyz_row_cells(reader, length, row),
-            Format::Pdb => atoms::pdb_row_cells(reader, length, row),
-        }
-    }
-
     /// Creates the cells of a file with this many columns from the first ones.
     pub(super) fn new<N: AsRef<str>, T: AsRef<str>>(
         count: usize,

@@ -6,9 +6,10 @@ use crate::data::{
     bytes::Bytes,
     fault::{BadRows, Fault, Wrong},
     table::{
-        Defaults, Table,
+        Table,
         check::Check,
         layout::{Column, Columns, Endian, Layout, Scalar},
+        request::Defaults,
         select::Names,
     },
 };

@@ -6,9 +6,9 @@ use crate::{
     data::{
         fault::Fault,
         table::{
-            Request,
             kind::RowKind,
             layout::{COLORS, Columns, OTHER_END, RADIUS, VALUE},
+            request::Request,
         },
     },
     text::nearest::quote,

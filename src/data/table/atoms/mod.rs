@@ -17,10 +17,12 @@ use crate::{
         bytes::BYTE_ORDER_MARK,
         fault::{At, Fault, Wrong},
         table::{
-            Defaults, Names, Request, Table,
+            Table,
             atoms::elements::{Element, NEUTRAL},
             layout::{COLORS, RADIUS, VALUE},
+            request::{Defaults, Request},
             rows::Rows,
+            select::Names,
         },
     },
     text::nearest::quote,

@@ -10,7 +10,7 @@ use crate::{
     data::{
         bytes::read_bytes,
         fault::{At, Fault, LinePart, ReadError, Wrong},
-        table::{Request, Table, row_cells::RowCells, rows::Rows},
+        table::{Table, request::Request, row_cells::RowCells, rows::Rows},
     },
     text::nearest::quote,
 };

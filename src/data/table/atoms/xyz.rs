@@ -11,7 +11,7 @@ use crate::{
     data::{
         bytes::{LONGEST_LINE, read_bytes},
         fault::{At, Fault, LinePart, ReadError, Wrong},
-        table::{Request, Table, row_cells::RowCells},
+        table::{Table, request::Request, row_cells::RowCells},
     },
     text::nearest::quote,
 };

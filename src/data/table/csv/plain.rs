@@ -14,7 +14,6 @@ use crate::{
         bytes::{LONGEST_LINE, check_lines},
         fault::ReadError,
         table::{
-            Defaults, Request,
             csv::{
                 Header,
                 blocks::{Blocks, Spare},
@@ -22,6 +21,7 @@ use crate::{
             },
             kind::RowKind,
             layout::{COLORS, RADIUS, Scalar, VALUE},
+            request::{Defaults, Request},
             rows::{Empty, Rows},
         },
     },

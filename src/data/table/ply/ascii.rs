@@ -10,7 +10,7 @@ use crate::{
             row::{self, Unlike, number},
             selection::{Selected, Selection},
         },
-        table::{Defaults, Table, ply::row_of, rows::Rows},
+        table::{Table, ply::row_of, request::Defaults, rows::Rows},
     },
     text::nearest::quote,
 };

@@ -12,10 +12,11 @@ use crate::{
             selection::{Selected, Selection},
         },
         table::{
-            Defaults, Table,
+            Table,
             check::Check,
             layout::{Column, Endian, Layout, VALUE},
             ply::row_of,
+            request::Defaults,
             rows::Rows,
         },
     },

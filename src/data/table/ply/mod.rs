@@ -16,7 +16,7 @@ use crate::{
             header::{Element, Encoding, Header, Type, VERTEX},
             selection::Selection,
         },
-        table::{Request, Table, row_cells::RowCells},
+        table::{Table, request::Request, row_cells::RowCells},
     },
     text::nearest::quote,
 };
