@@ -403,7 +403,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
             if found.open >> lane & 1 == 0 {
                 continue;
             }
-            let ray = toward.ray(DVec3::from(at.map(|axis| axis[lane])));
+            let ray = toward.ray(DVec3::from(at.each_ref().map(|axis| axis[lane])));
             let own = FaceId {
                 geometry: indices[lane] as usize,
                 face: faces[lane],

@@ -146,7 +146,8 @@ impl Bundle {
 
     /// Returns a ray.
     pub(crate) fn ray(&self, lane: usize) -> Ray {
-        let at = |axes: &[[f64; BUNDLE]; 3]| DVec3::from(axes.map(|axis| axis[lane]));
+        // Without `each_ref`, all lanes are copied.
+        let at = |axes: &[[f64; BUNDLE]; 3]| DVec3::from(axes.each_ref().map(|axis| axis[lane]));
         Ray::new(at(&self.origins), at(&self.directions))
     }
 

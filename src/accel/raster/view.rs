@@ -223,7 +223,7 @@ impl Grid {
     /// Returns a column, counted from the left of the region.
     pub(super) fn column(&self, column: usize) -> DVec3 {
         let group = &self.columns[column / WIDE];
-        DVec3::from(group.map(|axis| axis[column % WIDE]))
+        DVec3::from(group.each_ref().map(|axis| axis[column % WIDE]))
     }
 }
 

@@ -135,8 +135,9 @@ impl Convex for Cuboid {
 
     #[inline]
     fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.slab(axis, ray, leaving));
-        x?.and(y?)?.and(z?)
+        let x = self.slab(0, ray, leaving)?;
+        let both = x.and(self.slab(1, ray, leaving)?)?;
+        both.and(self.slab(2, ray, leaving)?)
     }
 
     fn plane(&self, face: u64) -> Option<Plane> {

@@ -192,14 +192,18 @@ impl Leaving<'_> {
         inner: None,
     };
 
-    /// Returns the same for a part of a solid, in the space of the part before its transform, with the
-    /// number of the face if it belongs to it.
-    #[inline]
-    pub(crate) fn of_part(self, face: Option<u64>, transform: Option<&Transform>) -> Self {
+    /// Returns the same for a part of a solid, with the number of the face if it belongs to it.
+    #[inline(always)]
+    pub(crate) const fn of_face(self, face: Option<u64>) -> Self {
+        Self { face, ..self }
+    }
+
+    /// Returns the same in the space of a part of a solid before its transform.
+    pub(crate) fn before(self, transform: &Transform) -> Self {
         Self {
-            face,
-            plane: self.plane.filter(|_| self.inner == transform),
+            plane: self.plane.filter(|_| self.inner == Some(transform)),
             inner: None,
+            ..self
         }
     }
 

@@ -182,8 +182,8 @@ impl Solid {
         let own = own.and_then(|(part, face)| Some((self.parts.get(part)?.twin, face)));
         let spans = self.parts.iter().enumerate().flat_map(|(number, part)| {
             let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
-            let leaving = leaving.of_part(face, part.shape.transform());
-            part.spans(ray, leaving).map(move |span| (number, span))
+            part.spans(ray, leaving.of_face(face))
+                .map(move |span| (number, span))
         });
         Crossings {
             solid: self,

@@ -44,13 +44,12 @@ impl SolidPart {
     /// Returns the parts of a ray's line inside that have a length. A ray that leaves a face begins on it.
     #[inline]
     pub(super) fn spans(&self, ray: &Ray, leaving: Leaving) -> impl Iterator<Item = Span> {
-        let inner = self
-            .shape
-            .transform()
-            .map(|transform| transform.ray_back(ray));
-        let along = inner.as_ref().unwrap_or(ray);
-        let shape = self.shape.unplaced();
-        let spans = of_solid!(shape, solid => solid.span(along, leaving).into(), else None.into());
+        let shape = &self.shape;
+        let spans = of_solid!(
+            shape,
+            solid => solid.span(ray, leaving).into(),
+            else self.placed_spans(ray, leaving)
+        );
         let spans = match spans {
             Spans::Several(spans) => spans,
             Spans::Convex(mut span) => {
@@ -68,6 +67,15 @@ impl SolidPart {
             let has_length = span.enter.t < span.exit.t;
             has_length && is_near(span.enter) && is_near(span.exit)
         })
+    }
+
+    #[inline(never)]
+    fn placed_spans(&self, ray: &Ray, leaving: Leaving) -> Spans {
+        let Some(transform) = self.shape.transform() else {
+            return None.into();
+        };
+        let (ray, leaving) = (transform.ray_back(ray), leaving.before(transform));
+        of_solid!(self.shape.unplaced(), solid => solid.span(&ray, leaving).into(), else None.into())
     }
 
     /// Returns its parameters and the terms of its equation, which begin with its number, and its spans.
