@@ -146,8 +146,8 @@ impl Bundle {
 
     /// Returns a ray.
     pub(crate) fn ray(&self, lane: usize) -> Ray {
-        // Without `each_ref`, all lanes are copied.
-        let at = |axes: &[[f64; BUNDLE]; 3]| DVec3::from(axes.each_ref().map(|axis| axis[lane]));
+        // Taken apart: `map` of an array copies all lanes.
+        let at = |[x, y, z]: &[[f64; BUNDLE]; 3]| DVec3::new(x[lane], y[lane], z[lane]);
         Ray::new(at(&self.origins), at(&self.directions))
     }
 

@@ -222,8 +222,8 @@ pub(super) struct Grid {
 impl Grid {
     /// Returns a column, counted from the left of the region.
     pub(super) fn column(&self, column: usize) -> DVec3 {
-        let group = &self.columns[column / WIDE];
-        DVec3::from(group.each_ref().map(|axis| axis[column % WIDE]))
+        let ([x, y, z], column) = (&self.columns[column / WIDE], column % WIDE);
+        DVec3::new(x[column], y[column], z[column])
     }
 }
 

@@ -180,15 +180,18 @@ impl Solid {
     pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Crossings<'a> {
         let own = leaving.face.map(|face| self.part_of(face));
         let own = own.and_then(|(part, face)| Some((self.parts.get(part)?.twin, face)));
-        let spans = self.parts.iter().enumerate().flat_map(|(number, part)| {
+        let mut more = Vec::new();
+        let spans = self.parts.iter().enumerate().map(|(number, part)| {
             let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
-            part.spans(ray, leaving.of_face(face))
-                .map(move |span| (number, span))
+            let [first, second] = part.spans(ray, leaving.of_face(face));
+            more.extend(second.map(|span| (number, span)));
+            first.unwrap_or(NOWHERE)
         });
+        let spans = spans.collect();
         Crossings {
             solid: self,
             ray,
-            spans: spans.collect(),
+            inside: Inside { spans, more },
         }
     }
 
@@ -224,10 +227,8 @@ impl Solid {
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let crossings = self.crossings(ray, Leaving::NOTHING);
         let parts = self.parts.iter().enumerate();
-        let lines = parts.flat_map(|(number, part)| {
-            let spans = crossings.spans_of(number);
-            part.working(number, ray, spans)
-        });
+        let lines =
+            parts.flat_map(|(number, part)| part.working(number, ray, crossings.inside.of(number)));
         let all: Vec<_> = crossings.after(f64::NEG_INFINITY).map(|at| at.t).collect();
         Working {
             form: Some(self.root.form(&self.parts)),
@@ -435,14 +436,14 @@ impl Node {
     }
 
     /// Returns the part whose face is crossed at a `t`, if the ray gets inside or outside there.
-    fn crossed(&self, spans: &[(usize, Span)], t: f64) -> Option<usize> {
-        let is_in = |side| self.is_in(&|part| is_within(spans, part, t, side));
+    fn crossed(&self, inside: &Inside, t: f64) -> Option<usize> {
+        let is_in = |side| self.is_in(&|part| inside.holds(part, t, side));
         if is_in(Side::Before) == is_in(Side::After) {
             return None;
         }
         match self {
             Self::Part(part) => Some(*part),
-            Self::Of(of) => of.operands.iter().find_map(|node| node.crossed(spans, t)),
+            Self::Of(of) => of.operands.iter().find_map(|node| node.crossed(inside, t)),
         }
     }
 
@@ -525,8 +526,7 @@ impl Node {
 pub(crate) struct Crossings<'a> {
     solid: &'a Solid,
     ray: &'a Ray,
-    /// The spans inside the parts, in their order.
-    spans: Vec<(usize, Span)>,
+    inside: Inside,
 }
 
 impl Crossings<'_> {
@@ -542,24 +542,16 @@ impl Crossings<'_> {
             .take_while(move |at| in_front(at.t, t_max).is_some())
     }
 
-    /// Returns the spans inside a part.
-    fn spans_of(&self, part: usize) -> impl Iterator<Item = Span> {
-        spans_of(&self.spans, part).copied()
-    }
-
     /// Returns the crossings after a `t`.
     fn after(&self, t: f64) -> impl Iterator<Item = Crossing> {
-        let Self { solid, ray, spans } = self;
-        let ends = || {
-            let spans = spans.iter();
-            spans.flat_map(|(_, span)| [span.enter.t, span.exit.t])
-        };
+        let Self { solid, ray, inside } = self;
+        let ends = || inside.all().flat_map(|span| [span.enter.t, span.exit.t]);
         let next = move |last: f64| ends().filter(|t| *t > last).min_by(f64::total_cmp);
         let all = iter::successors(next(t), move |last| next(*last));
         let finite = all.take_while(|t| *t < f64::INFINITY);
         let met = finite.filter_map(|t| {
-            let part = solid.root.crossed(spans, t)?;
-            let mut ends = self.spans_of(part).flat_map(|span| [span.enter, span.exit]);
+            let part = solid.root.crossed(inside, t)?;
+            let mut ends = inside.of(part).flat_map(|span| [span.enter, span.exit]);
             let Crossing { face, .. } = ends.find(|end| end.t == t)?;
             let face = part as u64 * Solid::FACES_OF_PART + face;
             Some(Crossing { t, face })
@@ -579,19 +571,38 @@ fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns those of some spans that are inside a part.
-#[inline]
-fn spans_of(spans: &[(usize, Span)], part: usize) -> impl Iterator<Item = &Span> {
-    let first = spans.partition_point(|(of, _)| *of < part);
-    let own = spans[first..].iter().take_while(move |(of, _)| *of == part);
-    own.map(|(_, span)| span)
+/// The spans of a ray inside the parts of a solid.
+struct Inside {
+    /// The first span of each part.
+    spans: Vec<Span>,
+    /// The second spans of parts that are not convex, by their numbers.
+    more: Vec<(usize, Span)>,
 }
 
-/// Returns true if the points right before or after a `t` are within a part.
-#[inline]
-fn is_within(spans: &[(usize, Span)], part: usize, t: f64, side: Side) -> bool {
-    spans_of(spans, part).any(|span| match side {
-        Side::Before => span.enter.t < t && t <= span.exit.t,
-        Side::After => span.enter.t <= t && t < span.exit.t,
-    })
+impl Inside {
+    fn all(&self) -> impl Iterator<Item = &Span> {
+        let more = self.more.iter().map(|(_, span)| span);
+        self.spans.iter().chain(more)
+    }
+
+    /// Returns the spans inside a part.
+    #[inline]
+    fn of(&self, part: usize) -> impl Iterator<Item = &Span> {
+        let more = self.more.iter().filter(move |(of, _)| *of == part);
+        let first = self.spans.get(part).filter(|span| **span != NOWHERE);
+        first.into_iter().chain(more.map(|(_, span)| span))
+    }
+
+    /// Returns true if the points right before or after a `t` are within a part.
+    #[inline]
+    fn holds(&self, part: usize, t: f64, side: Side) -> bool {
+        let holds = |span: &Span| match side {
+            Side::Before => span.enter.t < t && t <= span.exit.t,
+            Side::After => span.enter.t <= t && t < span.exit.t,
+        };
+        holds(&self.spans[part]) || (!self.more.is_empty() && self.of(part).any(holds))
+    }
 }
+
+/// The span of a ray that misses a part.
+const NOWHERE: Span = Span::new([f64::INFINITY, f64::NEG_INFINITY], 0);

@@ -43,30 +43,28 @@ impl SolidPart {
 
     /// Returns the parts of a ray's line inside that have a length. A ray that leaves a face begins on it.
     #[inline]
-    pub(super) fn spans(&self, ray: &Ray, leaving: Leaving) -> impl Iterator<Item = Span> {
+    pub(super) fn spans(&self, ray: &Ray, leaving: Leaving) -> [Option<Span>; 2] {
         let shape = &self.shape;
         let spans = of_solid!(
             shape,
             solid => solid.span(ray, leaving).into(),
             else self.placed_spans(ray, leaving)
         );
-        let spans = match spans {
-            Spans::Several(spans) => spans,
+        let around = self.around.as_ref();
+        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
+        let is_inside =
+            |span: &Span| span.enter.t < span.exit.t && is_near(span.enter) && is_near(span.exit);
+        match spans {
+            Spans::Several(spans) => spans.map(|span| span.filter(is_inside)),
             Spans::Convex(mut span) => {
                 if let Some(span) = &mut span
                     && leaving.face.is_some()
                 {
                     span.enter.t = span.enter.t.min(0.0);
                 }
-                [span, None]
+                [span.filter(is_inside), None]
             }
-        };
-        let around = self.around.as_ref();
-        let is_near = move |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
-        spans.into_iter().flatten().filter(move |span| {
-            let has_length = span.enter.t < span.exit.t;
-            has_length && is_near(span.enter) && is_near(span.exit)
-        })
+        }
     }
 
     #[inline(never)]
@@ -79,11 +77,11 @@ impl SolidPart {
     }
 
     /// Returns its parameters and the terms of its equation, which begin with its number, and its spans.
-    pub(super) fn working(
+    pub(super) fn working<'a>(
         &self,
         number: usize,
         ray: &Ray,
-        spans: impl Iterator<Item = Span>,
+        spans: impl Iterator<Item = &'a Span>,
     ) -> Vec<Vec<Term>> {
         let name = |name: &str| format!("part_{number}_{name}");
         let called = format!("{} {number}", self.shape.kind());

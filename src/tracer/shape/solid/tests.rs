@@ -181,9 +181,9 @@ fn compare(solid: &Solid, ray: &Ray, leaving: Leaving, rng: &mut Rng) -> usize {
         .map_or(10.0, |[low, high]| (high - low).length());
     let unit = size / ray.direction().length();
     let ends = crossings
-        .spans
-        .iter()
-        .flat_map(|(_, span)| [span.enter.t, span.exit.t]);
+        .inside
+        .all()
+        .flat_map(|span| [span.enter.t, span.exit.t]);
     let ends: Vec<_> = ends.filter(|t| t.is_finite()).collect();
     let far = ends.iter().copied().fold(0.0, f64::max) + unit;
     let beyond = is_in(solid, ray.at(far));
