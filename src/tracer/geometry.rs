@@ -210,6 +210,8 @@ impl Geometry {
             return Radiance::BLACK;
         };
         let cosine = unit(ray.direction()).dot(hit.normal).abs();
+        // A direction so short that its square is 0 has no angle.
+        let cosine = if cosine.is_nan() { 1.0 } else { cosine };
         let from_outside = hit.front_face || self.shape.is_pane(crossing.face);
         let reflected = glass.fresnel(cosine, from_outside).reflected;
         glass.color().to_linear() * (1.0 - reflected)
