@@ -45,9 +45,8 @@ pub(crate) fn index_shapes<'a>(
     geometries: impl IntoIterator<Item = &'a Geometry>,
     builder: Builder<'_>,
 ) {
-    for geometry in geometries {
-        index_shape(geometry.shape(), builder);
-    }
+    let geometries = geometries.into_iter();
+    geometries.for_each(|geometry| index_shape(geometry.shape(), builder));
 }
 
 fn index_shape(shape: &Shape, builder: Builder<'_>) {

@@ -1,7 +1,7 @@
 //! Lists in large pages of memory. A ray that goes anywhere mostly waits for memory, and if the pages are
 //! small, also for the tables that say where they are.
 
-use std::{fmt, iter, marker::PhantomData, ops::Deref};
+use std::{fmt, marker::PhantomData, ops::Deref};
 
 use memmap2::MmapMut;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -35,10 +35,13 @@ impl<T: Plain> Pages<T> {
     pub(crate) fn collect(most: usize, values: impl Iterator<Item = T>) -> Self {
         let mut pages = Self::zeroed(most);
         let mut len = 0;
-        for (to, value) in iter::zip(pages.as_mut(), values) {
-            *to = value;
-            len += 1;
-        }
+        let mut places = pages.as_mut().iter_mut();
+        values.for_each(|value| {
+            if let Some(to) = places.next() {
+                *to = value;
+                len += 1;
+            }
+        });
         match &mut pages {
             Self::Mapped(_, used, _) => *used = len,
             Self::Small(list) => list.truncate(len),

@@ -155,11 +155,11 @@ impl Frame {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
         let mut largest = 0.0_f64;
-        for hull in hulls {
+        hulls.for_each(|hull| {
             low = low.min(hull.center);
             high = high.max(hull.center);
             largest = largest.max(hull.half.max_element());
-        }
+        });
         let center = (low + high) * 0.5;
         // From the rounded center, which may lie at the edge of spheres far from 0.
         let half = (high - center).max(center - low).max_element() + largest;

@@ -226,8 +226,9 @@ impl Portion {
             })
         });
         let within = |at: &(usize, &Geometry)| shapes.is_some() && inside(*at).is_some();
-        let apart = some().filter(|at| !within(at));
-        let apart = apart.map(|(index, _)| index).collect();
+        let mut apart = Vec::new();
+        let others = some().filter(|at| !within(at));
+        others.for_each(|(index, _)| apart.push(index));
         Self { apart, shapes }
     }
 }
