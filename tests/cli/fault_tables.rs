@@ -199,7 +199,7 @@ pub(crate) const NAMES_RON: &[Fault] = &[
     (
         "Sphere(",
         "Cube(",
-        &["[unknown-variant]", "Cube", "expected one of 19", "`Box`"],
+        &["[unknown-variant]", "Cube", "expected one of 20", "`Box`"],
     ),
     (
         "Perspective(",
