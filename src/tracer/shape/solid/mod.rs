@@ -191,7 +191,7 @@ impl Solid {
         Crossings {
             solid: self,
             ray,
-            inside: Inside { spans, more },
+            inside: PartSpans { spans, more },
         }
     }
 
@@ -436,7 +436,7 @@ impl Node {
     }
 
     /// Returns the part whose face is crossed at a `t`, if the ray gets inside or outside there.
-    fn crossed(&self, inside: &Inside, t: f64) -> Option<usize> {
+    fn crossed(&self, inside: &PartSpans, t: f64) -> Option<usize> {
         let is_in = |side| self.is_in(&|part| inside.holds(part, t, side));
         if is_in(Side::Before) == is_in(Side::After) {
             return None;
@@ -526,7 +526,7 @@ impl Node {
 pub(crate) struct Crossings<'a> {
     solid: &'a Solid,
     ray: &'a Ray,
-    inside: Inside,
+    inside: PartSpans,
 }
 
 impl Crossings<'_> {
@@ -572,14 +572,14 @@ fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
 }
 
 /// The spans of a ray inside the parts of a solid.
-struct Inside {
+struct PartSpans {
     /// The first span of each part.
     spans: Vec<Span>,
     /// The second spans of parts that are not convex, by their numbers.
     more: Vec<(usize, Span)>,
 }
 
-impl Inside {
+impl PartSpans {
     fn all(&self) -> impl Iterator<Item = &Span> {
         let more = self.more.iter().map(|(_, span)| span);
         self.spans.iter().chain(more)
