@@ -18,7 +18,10 @@ def parts_of(geometries):
     found = []
     for geometry in geometries:
         name, fields = variant(geometry)
-        found += parts_of(operands_of(name, fields)) if name in COMBINED else [geometry]
+        if name in COMBINED:
+            found += parts_of(operands_of(name, fields))
+        else:
+            found += parts_of(fields["geometries"]) if name == "Group" else [geometry]
     return found
 
 
