@@ -14,7 +14,10 @@ use crate::{
         rounding,
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{geometry::Geometry, shape::Extent},
+    tracer::{
+        geometry::Geometry,
+        shape::{Extent, around::GROWTH},
+    },
 };
 
 /// A rectangle of pixels, counted from the top left of the picture.
@@ -135,7 +138,10 @@ impl Kernel for Project<'_> {
                                 if geometry.shape().is_indexed() {
                                     found.indexed.push(first + lane as u32);
                                 }
-                                radius + rounding(center.abs() + radius)
+                                // Crossings count this far outside of the box and the ball.
+                                let away = self.screen.map_or(0.0, |screen| screen.away(center));
+                                let slack = 1.001 * GROWTH * away.max(radius);
+                                radius + slack + rounding(center.abs() + radius)
                             }
                         };
                         balls.set(lane, center.into(), grown);

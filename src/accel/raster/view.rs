@@ -264,6 +264,15 @@ impl Screen {
         }
     }
 
+    /// Returns the distance of a point from the origins of the rays, at most.
+    pub(super) fn away(&self, point: DVec3) -> f64 {
+        let reach = match self.lens {
+            Lens::Perspective { .. } => 0.0,
+            Lens::Orthographic { reach, .. } => reach,
+        };
+        (point - self.eye).length() + reach
+    }
+
     fn new(camera: &Camera, size: Size) -> Option<Self> {
         let (u, v, w) = (camera.u(), camera.v(), camera.w());
         let skew = [
