@@ -59,8 +59,12 @@ impl Default for Crossings {
 impl<const N: usize> Crossings<N> {
     /// Returns the crossings that lie around a shape.
     #[inline(always)]
-    pub(crate) fn near(self, around: &Around, ray: &Ray) -> Self {
-        Self(self.0.map(|at| at.filter(|at| around.holds(ray, at.t))))
+    pub(crate) fn near(mut self, around: &Around, ray: &Ray) -> Self {
+        // In place: `map` of an array is a call.
+        for at in &mut self.0 {
+            *at = at.filter(|at| around.holds(ray, at.t));
+        }
+        self
     }
 
     /// Returns the `t` of the crossings, or the reason why there are none.

@@ -160,13 +160,26 @@ pub(crate) enum Spans {
     Several([Option<Span>; 2]),
 }
 
+impl Spans {
+    /// Returns that of a convex solid.
+    #[inline(always)]
+    pub(crate) fn convex(self) -> Option<Span> {
+        match self {
+            Self::Convex(span) => span,
+            Self::Several(_) => None,
+        }
+    }
+}
+
 impl From<Option<Span>> for Spans {
+    #[inline(always)]
     fn from(span: Option<Span>) -> Self {
         Self::Convex(span)
     }
 }
 
 impl From<[Option<Span>; 2]> for Spans {
+    #[inline(always)]
     fn from(spans: [Option<Span>; 2]) -> Self {
         Self::Several(spans)
     }

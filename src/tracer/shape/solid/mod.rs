@@ -12,7 +12,7 @@ mod part;
 #[cfg(test)]
 mod tests;
 
-use std::{iter, ptr, sync::Arc};
+use std::{iter, ptr, slice, sync::Arc};
 
 use glam::{BVec3, DVec3};
 
@@ -183,15 +183,14 @@ impl Solid {
         let mut more = Vec::new();
         let spans = self.parts.iter().enumerate().map(|(number, part)| {
             let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
-            let [first, second] = part.spans(ray, leaving.of_face(face));
-            more.extend(second.map(|span| (number, span)));
+            let first = part.span(ray, leaving.of_face(face), |span| more.push((number, span)));
             first.unwrap_or(NOWHERE)
         });
         let spans = spans.collect();
         Crossings {
             solid: self,
             ray,
-            inside: PartSpans { spans, more },
+            inside: PartSpans::new(spans, more),
         }
     }
 
@@ -573,24 +572,33 @@ fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
 
 /// The spans of a ray inside the parts of a solid.
 struct PartSpans {
-    /// The first span of each part.
+    /// The first span of each part, and behind them the second spans of parts that are not convex.
     spans: Vec<Span>,
-    /// The second spans of parts that are not convex, by their numbers.
-    more: Vec<(usize, Span)>,
+    /// The parts of the second spans.
+    more: Vec<usize>,
 }
 
 impl PartSpans {
-    fn all(&self) -> impl Iterator<Item = &Span> {
-        let more = self.more.iter().map(|(_, span)| span);
-        self.spans.iter().chain(more)
+    fn new(mut spans: Vec<Span>, more: Vec<(usize, Span)>) -> Self {
+        spans.extend(more.iter().map(|(_, span)| span));
+        let more = more.into_iter().map(|(part, _)| part);
+        Self {
+            spans,
+            more: more.collect(),
+        }
+    }
+
+    fn all(&self) -> slice::Iter<'_, Span> {
+        self.spans.iter()
     }
 
     /// Returns the spans inside a part.
     #[inline]
     fn of(&self, part: usize) -> impl Iterator<Item = &Span> {
-        let more = self.more.iter().filter(move |(of, _)| *of == part);
         let first = self.spans.get(part).filter(|span| **span != NOWHERE);
-        first.into_iter().chain(more.map(|(_, span)| span))
+        let seconds = self.spans.iter().rev().zip(self.more.iter().rev());
+        let own = seconds.filter(move |(_, of)| **of == part);
+        first.into_iter().chain(own.map(|(span, _)| span))
     }
 
     /// Returns true if the points right before or after a `t` are within a part.

@@ -41,39 +41,48 @@ impl SolidPart {
         })
     }
 
-    /// Returns the parts of a ray's line inside that have a length. A ray that leaves a face begins on it.
+    /// Returns the first part of a ray's line inside that has a length, and calls `more` with a second one.
+    /// A ray that leaves a face begins on it.
     #[inline]
-    pub(super) fn spans(&self, ray: &Ray, leaving: Leaving) -> [Option<Span>; 2] {
-        let shape = &self.shape;
-        let spans = of_solid!(
-            shape,
-            solid => solid.span(ray, leaving).into(),
-            else self.placed_spans(ray, leaving)
-        );
-        let around = self.around.as_ref();
-        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
-        let is_inside =
-            |span: &Span| span.enter.t < span.exit.t && is_near(span.enter) && is_near(span.exit);
-        match spans {
-            Spans::Several(spans) => spans.map(|span| span.filter(is_inside)),
-            Spans::Convex(mut span) => {
-                if let Some(span) = &mut span
-                    && leaving.face.is_some()
-                {
-                    span.enter.t = span.enter.t.min(0.0);
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving, more: impl FnMut(Span)) -> Option<Span> {
+        // Convex parts apart, so that their spans are not copied.
+        let span = match &self.shape {
+            Shape::Torus(_) | Shape::Placed(_) => match self.other_spans(ray, leaving) {
+                Spans::Convex(span) => span,
+                Spans::Several(spans) => {
+                    let [first, second] = spans.map(|span| span.filter(|it| self.holds(ray, it)));
+                    second.map(more);
+                    return first;
                 }
-                [span.filter(is_inside), None]
+            },
+            shape => {
+                of_solid!(shape, solid => Spans::from(solid.span(ray, leaving)).convex(), else None)
             }
+        };
+        let mut span = span?;
+        if leaving.face.is_some() {
+            span.enter.t = span.enter.t.min(0.0);
         }
+        self.holds(ray, &span).then_some(span)
     }
 
+    /// Returns true if a span has a length and both of its ends are near the part.
+    #[inline]
+    fn holds(&self, ray: &Ray, span: &Span) -> bool {
+        let around = self.around.as_ref();
+        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
+        span.enter.t < span.exit.t && is_near(span.enter) && is_near(span.exit)
+    }
+
+    /// Returns the spans inside a part that is not convex or that is placed.
     #[inline(never)]
-    fn placed_spans(&self, ray: &Ray, leaving: Leaving) -> Spans {
-        let Some(transform) = self.shape.transform() else {
-            return None.into();
-        };
-        let (ray, leaving) = (transform.ray_back(ray), leaving.before(transform));
-        of_solid!(self.shape.unplaced(), solid => solid.span(&ray, leaving).into(), else None.into())
+    fn other_spans(&self, ray: &Ray, leaving: Leaving) -> Spans {
+        let (shape, transform) = (self.shape.unplaced(), self.shape.transform());
+        let before = transform.map(|it| (it.ray_back(ray), leaving.before(it)));
+        let (ray, leaving) = before
+            .as_ref()
+            .map_or((ray, leaving), |(ray, left)| (ray, *left));
+        of_solid!(shape, solid => solid.span(ray, leaving).into(), else None.into())
     }
 
     /// Returns its parameters and the terms of its equation, which begin with its number, and its spans.
