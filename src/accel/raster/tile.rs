@@ -351,11 +351,16 @@ impl Tile {
     ) {
         let (t, seen) = (&mut self.t[group], &mut self.seen[group]);
         // At an equal t the lower id may still win.
-        let t_max = t.map(|t| if t < bound { 0.0 } else { t.next_up() });
+        // In place: `map` of an array is a call.
+        let mut t_max = *t;
+        for t in &mut t_max {
+            *t = if *t < bound { 0.0 } else { t.next_up() };
+        }
         if t_max == [0.0; LANES] {
             return;
         }
-        let points = [&self.points[0], &self.points[1], &self.points[2]].map(|axis| axis[group]);
+        let [x, y, z] = &self.points;
+        let points = [x[group], y[group], z[group]];
         let bundle = rays.bundle(points, t_max);
         let found = first_of_each(simd, shape, &bundle, &[Leaving::NOTHING; LANES]);
         let id_of = |crossing: &Crossing| match shape.copies() {
