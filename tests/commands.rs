@@ -132,8 +132,13 @@ fn file_of(line: &str) -> Option<String> {
     is_file.then(|| name.to_owned())
 }
 
-/// The number of samples that the large scenes have, and that which the tests draw.
-const SAMPLES: [&str; 2] = ["samples: 16)", "samples: 1)"];
+/// How many samples and how many pixels the large scenes have, and how many the tests draw.
+const FAST: [[&str; 2]; 4] = [
+    ["samples: 16)", "samples: 1)"],
+    ["width: 1200, height: 800", "width: 300, height: 200"],
+    ["width: 1200, height: 900", "width: 300, height: 225"],
+    ["width: 1280, height: 800", "width: 320, height: 200"],
+];
 
 /// A folder with the files of a fresh clone.
 struct Clone(TempDir);
@@ -145,7 +150,10 @@ impl Clone {
             let scene = scene.unwrap().path();
             if scene.extension() == Some("ron".as_ref()) {
                 let text = fs::read_to_string(&scene).unwrap();
-                fs::write(&scene, text.replace(SAMPLES[0], SAMPLES[1])).unwrap();
+                let fast = FAST
+                    .iter()
+                    .fold(text, |text, [whole, few]| text.replace(whole, few));
+                fs::write(&scene, fast).unwrap();
             }
         }
     }
