@@ -103,10 +103,6 @@ impl Printer {
                 "description": "The name of one of the scene's `materials`.",
             }),
             Type::File(endings) => json!({"type": "string", "pattern": pattern(endings)}),
-            Type::Word(words) => self.defined(
-                words.name,
-                |_| json!({"description": words.docs, "enum": (words.all)()}),
-            ),
             Type::Matrix => self.defined("Matrix", |_| {
                 json!({
                     "description": "Three rows of four numbers.",
@@ -225,6 +221,10 @@ impl Printer {
 
     fn one_of(&mut self, one_of: &'static OneOf) -> Value {
         let variants = one_of.variants.iter();
+        if variants.clone().all(|one| one.docs.is_empty()) {
+            let names: Vec<_> = variants.map(|one| one.name).collect();
+            return json!({"description": one_of.docs, "enum": names});
+        }
         let variants: Vec<_> = variants
             .map(|one| self.variant(one, Type::OneOf(one_of)))
             .collect();

@@ -18,7 +18,6 @@ use crate::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
             },
-            material::MaterialModel,
             scene::Model,
         },
         instances::Prototypes,
@@ -135,7 +134,10 @@ impl Frames {
         let materials: Vec<_> = materials.collect();
         if !materials.is_empty() {
             let has = |geometry: &GeometryModel| {
-                let name = geometry.surface().material.and_then(MaterialModel::named);
+                let name = geometry
+                    .surface()
+                    .material
+                    .and_then(|material| material.named());
                 name.is_some_and(|name| materials.contains(&name))
             };
             let all = model.walk().filter(|(_, geometry)| has(geometry));

@@ -298,7 +298,7 @@ impl<'m> Owner<'m> {
     fn material(&self) -> Option<&'m MaterialModel> {
         let (geometry, steps) = self.geometry()?;
         let is_it = matches!(steps, [step] if step.name() == Some("material"));
-        geometry.surface().material.filter(|_| is_it)
+        Some(geometry.surface().material.filter(|_| is_it)?)
     }
 
     /// Returns the transform, if it is one.

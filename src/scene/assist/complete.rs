@@ -127,8 +127,8 @@ fn keys(
     let mut items: Vec<_> = fields.collect();
     // The location of the schema is written by programs.
     items.sort_by_key(|item| item.label.starts_with('$'));
-    let variants = owner.variants().into_iter().filter_map(|variant| {
-        let content = sample(owner.content(&variant)?, syntax);
+    let variants = owner.variants().iter().filter_map(|variant| {
+        let content = sample(owner.content(variant)?, syntax);
         let insert = match has_colon {
             true => written(variant.name),
             false => written(variant.name) + &content,
@@ -156,8 +156,8 @@ fn values(finder: &Finder, value: Type) -> Vec<Completion> {
     }
     let variants = value.variants();
     if !variants.is_empty() {
-        let variants = variants.into_iter().map(|one| {
-            let sample = sample_of(value, &one, syntax);
+        let variants = variants.iter().map(|one| {
+            let sample = sample_of(value, one, syntax);
             item(one.name, sample, CompletionKind::Variant, one.docs)
         });
         return variants.collect();

@@ -47,7 +47,7 @@ pub(super) fn words(of_type: Type) -> String {
         Type::Tuple(_, count) => format!("{count} numbers"),
         Type::Matrix => "3 numbers".to_owned(),
         Type::List(..) => "list".to_owned(),
-        Type::OneOf(_) | Type::Word(_) => {
+        Type::OneOf(_) => {
             let names: Vec<_> = of_type.variants().iter().map(|one| one.name).collect();
             match names.len() {
                 0..=6 => names.join(" | "),
@@ -107,7 +107,7 @@ pub(super) fn sample(of_type: Type, syntax: Syntax) -> String {
         Type::List(item, 1..) => format!("[{}]", sample(item(), syntax)),
         Type::List(..) => "[]".to_owned(),
         Type::Object(..) => object(of_type, vector, syntax),
-        Type::OneOf(_) | Type::Word(_) => {
+        Type::OneOf(_) => {
             let variants = of_type.variants();
             let first = variants.first();
             first.map_or_else(String::new, |first| sample_of(of_type, first, syntax))

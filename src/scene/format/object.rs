@@ -22,7 +22,8 @@
 //! fields of its own, and `Choice(…)` is one of several words. `Text(…)`, `File { endings }(…)` and
 //! `Other { type }(…)` are for what no number can set.
 //!
-//! Behind the fields stand those of which exactly one, at most one or any is given.
+//! Behind the fields stand those of which exactly one, at most one or any is given; `not solid` is for a
+//! geometry that is none.
 //!
 //! [`Kind`]: crate::scene::format::field::FieldKind
 
@@ -42,10 +43,12 @@ macro_rules! object {
         $(one of $one:ident, $other:ident)?
         $(at most one of $some:ident, $else:ident)?
         $(any of $any:ident, $all:ident)?
+        $(not $solid:ident)?
     ) => {
         $crate::scene::format::object::object! {
             @fields [$([$($meta)*])*] $model $name [
                 $(One $one $other,)? $(AtMostOne $some $else,)? $(Any $any $all,)?
+                ; $($solid)?
             ] [] $($fields)*
         }
     };
@@ -86,7 +89,7 @@ macro_rules! object {
     };
 
     (@fields [$([$($meta:tt)*])*] $model:ident $name:literal
-        [$($needs:ident $one:ident $another:ident,)*]
+        [$($needs:ident $one:ident $another:ident,)*; $($solid:ident)?]
         [$({
             [$([$($attribute:tt)*])*]
             $field:ident [$($rename:literal)?] [$($other:ident)*] $given:ident $kind:ident $of:tt $type:tt
@@ -135,6 +138,7 @@ macro_rules! object {
                         docs: object::docs!($([$($meta)*])*),
                         fields: $model::FIELDS,
                         sets: $model::SETS,
+                        is_solid: object::object!(@is_solid $($solid)?),
                     };
                     thing::Type::Object(&OBJECT, false)
                 }
@@ -229,6 +233,9 @@ macro_rules! object {
 
     (@is_required required) => { true };
     (@is_required optional) => { false };
+
+    (@is_solid) => { true };
+    (@is_solid solid) => { false };
 
     (@default) => { None };
     (@default $default:expr) => { Some(|| serde_json::json!($default)) };

@@ -32,8 +32,6 @@ pub(crate) enum Type {
     NameOfMaterial,
     /// The path of a file with one of these endings.
     File(&'static [&'static str]),
-    /// One of several words that need no docs.
-    Word(&'static Words),
     /// Three rows of four numbers.
     Matrix,
     /// This many values of a type.
@@ -61,14 +59,14 @@ impl Type {
 
     /// Returns the fields of the object, or those of all variants.
     pub(crate) fn fields(self) -> impl Iterator<Item = &'static Field> {
-        let (object, variants): (&[Field], &[Variant]) = match self {
-            Self::Object(object, _) => (object.fields, &[]),
-            Self::OneOf(one_of) => (&[], one_of.variants),
-            _ => (&[], &[]),
+        let object: &[Field] = match self {
+            Self::Object(object, _) => object.fields,
+            _ => &[],
         };
+        let variants = self.variants().iter();
         object
             .iter()
-            .chain(variants.iter().flat_map(|variant| variant.fields()))
+            .chain(variants.flat_map(|variant| variant.fields()))
     }
 }
 
@@ -82,30 +80,17 @@ impl Type {
     }
 
     /// Returns the objects or words of which a value is one.
-    pub(crate) fn variants(self) -> Vec<Variant> {
+    pub(crate) const fn variants(self) -> &'static [Variant] {
         match self {
-            Self::OneOf(one_of) => one_of.variants.to_vec(),
-            Self::Word(words) => {
-                let all = (words.all)().into_iter();
-                let all = all.map(|name| Variant {
-                    name,
-                    docs: "",
-                    others: &[],
-                    content: None,
-                });
-                all.collect()
-            }
-            _ => Vec::new(),
+            Self::OneOf(one_of) => one_of.variants,
+            _ => &[],
         }
     }
 
     /// Returns one of them by its name.
     pub(crate) fn variant(self, name: &str) -> Option<Variant> {
-        let is_it = |one: &Variant| one.name == name;
-        match self {
-            Self::OneOf(one_of) => one_of.variants.iter().copied().find(is_it),
-            _ => self.variants().into_iter().find(is_it),
-        }
+        let mut all = self.variants().iter().copied();
+        all.find(|one| one.name == name)
     }
 
     /// Returns the type of the content of a variant; `None` for a word.
@@ -170,6 +155,8 @@ pub(crate) struct Object {
     pub(crate) docs: &'static str,
     pub(crate) fields: &'static [Field],
     pub(crate) sets: &'static [Set],
+    /// False for a geometry that is not a solid.
+    pub(crate) is_solid: bool,
 }
 
 /// Two fields that are given in place of each other.
@@ -222,21 +209,18 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// Returns the fields of the object.
-    pub(crate) fn fields(self) -> &'static [Field] {
-        match self.content.map(|of_type| of_type()) {
-            Some(Type::Object(object, _)) => object.fields,
-            _ => &[],
+    /// Returns the object, if it is one.
+    pub(crate) fn object(self) -> Option<&'static Object> {
+        match self.content?() {
+            Type::Object(object, _) => Some(object),
+            _ => None,
         }
     }
-}
 
-/// Words that need no docs.
-#[derive(Debug)]
-pub(crate) struct Words {
-    pub(crate) name: &'static str,
-    pub(crate) docs: &'static str,
-    pub(crate) all: fn() -> Vec<&'static str>,
+    /// Returns the fields of the object.
+    pub(crate) fn fields(self) -> &'static [Field] {
+        self.object().map_or(&[], |object| object.fields)
+    }
 }
 
 /// What a visitor of the things inside of another one sees; it may end the visit.

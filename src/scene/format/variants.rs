@@ -10,12 +10,13 @@
 //! }
 //! ```
 //!
-//! Behind a `|` stand the names that other programs give a variant.
+//! Behind a `|` stand the names that other programs give a variant. `= "Light" for of_each` also defines
+//! a macro of this name, which evaluates an expression for the object of each variant.
 
 /// Defines an enum of objects, which forwards everything to its current variant.
 macro_rules! variants {
     (
-        $(#[$($meta:tt)*])* pub enum $model:ident = $name:literal {
+        $(#[$($meta:tt)*])* pub enum $model:ident = $name:literal $(for $each:ident)? {
             $($(#[$($doc:tt)*])* $variant:ident($thing:ty) $(| $other:ident)*),* $(,)?
         }
     ) => {
@@ -88,6 +89,19 @@ macro_rules! variants {
                 }
             }
         };
+
+        $crate::scene::format::variants::variants! {
+            @each ($) [$($each)?] $model $($variant)*
+        }
+    };
+    (@each ($d:tt) [] $($model:tt)*) => {};
+    (@each ($d:tt) [$each:ident] $model:ident $($variant:ident)*) => {
+        /// Evaluates an expression for the object of each variant.
+        macro_rules! $each {
+            ($d one:expr, $d object:ident => $d value:expr) => {
+                match $d one { $($model::$variant($d object) => $d value),* }
+            };
+        }
     };
 }
 

@@ -1,10 +1,12 @@
 //! The code of a warning in a scene file.
 
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::{
     diagnostic::Code,
-    scene::format::thing::{Type, Words},
+    scene::format::thing::{OneOf, Type, Variant},
 };
 
 /// The code of a warning.
@@ -37,11 +39,20 @@ impl<'de> Deserialize<'de> for WarningName {
 impl WarningName {
     /// Returns the type.
     pub(crate) fn of_type() -> Type {
-        static WORDS: Words = Words {
-            name: "Warning",
-            docs: "The code of a warning.",
-            all: || Code::WARNINGS.iter().map(|code| code.name()).collect(),
-        };
-        Type::Word(&WORDS)
+        static ONE_OF: LazyLock<OneOf> = LazyLock::new(|| {
+            let warnings = Code::WARNINGS.iter().map(|code| Variant {
+                name: code.name(),
+                docs: "",
+                others: &[],
+                content: None,
+            });
+            OneOf {
+                name: "Warning",
+                docs: "The code of a warning.",
+                variants: warnings.collect::<Vec<_>>().leak(),
+                are_operands: false,
+            }
+        });
+        Type::OneOf(&ONE_OF)
     }
 }

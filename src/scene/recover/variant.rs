@@ -10,8 +10,9 @@ use crate::{
     diagnostic::{Code, Diagnostic, Fix, path::Trail},
     scene::{
         format::{
-            geometry::solid::{OPERANDS, SOLIDS},
+            geometry::{nesting::FIELD_NAMES, solid::SOLIDS},
             material::NamedModel,
+            scene::Model,
         },
         near::near,
         read::reader::{Misfit, Result},
@@ -163,7 +164,7 @@ fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
 /// Returns the variants that are valid at a path: inside of a solid only solids.
 fn fitting(path: &Trail<'_>, variants: &'static [&'static str]) -> &'static [&'static str] {
     let field = path.last_field();
-    match field.is_some_and(|field| OPERANDS.contains(&field)) {
+    match field.is_some_and(|field| field != Model::LONG && FIELD_NAMES.contains(&field)) {
         true => &SOLIDS,
         false => variants,
     }

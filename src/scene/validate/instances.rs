@@ -1,6 +1,6 @@
 //! Checks of copies of other geometries.
 
-use super::{Found, both};
+use super::Found;
 use crate::{
     diagnostic::Code,
     scene::{
@@ -59,19 +59,13 @@ impl Found {
     #[inline(never)]
     pub(super) fn instances(&mut self, instances: &InstancesModel, at: Ordinal, model: &Model) {
         let path = model.path_of(at);
-        let transforms = match (&instances.transforms, &instances.file) {
-            (Some(_), Some(_)) => {
-                let problem = both(Code::OneOf, &path, ["transforms", "file"]);
-                return self.push(problem.help("leave one of them out"));
-            }
-            (None, None) => {
-                let message = "neither `transforms` nor `file` is given, expected one of them";
-                let problem = Problem::new(Code::OneOf, path, Focus::Name, message);
-                let help = "give a transform for each copy, or name a .csv, .npy or .npz `file`";
-                return self.push(problem.help(help));
-            }
-            (None, Some(_)) => return,
-            (Some(transforms), None) => transforms,
+        let helps = [
+            "leave one of them out",
+            "give a transform for each copy, or name a .csv, .npy or .npz `file`",
+        ];
+        let is_fine = self.one_of(instances, Code::OneOf, &path, helps);
+        let Some(transforms) = instances.transforms.as_ref().filter(|_| is_fine) else {
+            return;
         };
         let of_table = [
             ("columns", instances.columns.is_some()),

@@ -16,8 +16,9 @@ use crate::scene::{
         map::{Entry, Map},
         object::object,
         scene::Model,
-        thing::{Type, Words},
+        thing::Type,
         transform::ScaleModel,
+        variants::words,
     },
     path,
 };
@@ -101,28 +102,17 @@ pub struct Key<T> {
     pub step: Option<Interpolation>,
 }
 
-/// The interpolation from the previous key to this one; `Linear` is the default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Interpolation {
-    /// The value stays, then jumps.
-    Step,
-    /// Constant speed.
-    #[default]
-    Linear,
-    /// A curve without corners that never overshoots.
-    Smooth,
-}
-
-impl Interpolation {
-    /// Returns the type.
-    pub(crate) fn of_type() -> Type {
-        static WORDS: Words = Words {
-            name: "Interpolation",
-            docs: "How a value gets from the key before to this one: it stays and jumps, goes at constant \
-                   speed, or along a smooth curve that never overshoots. `Linear` is the default.",
-            all: || vec!["Step", "Linear", "Smooth"],
-        };
-        Type::Word(&WORDS)
+words! {
+    /// How a value gets from the key before to this one; `Linear` is the default.
+    #[derive(Copy, Default, Eq)]
+    pub enum Interpolation = "Interpolation" {
+        /// The value stays, then jumps.
+        Step,
+        /// Constant speed.
+        #[default]
+        Linear,
+        /// A curve without corners that never overshoots.
+        Smooth,
     }
 }
 

@@ -19,7 +19,7 @@ colored! {
         normal | n: Direction,
         /// The radius, above 0.
         radius | r: Positive,
-    }
+    } not solid
 }
 
 impl GeometryKind for DiscModel {

@@ -31,7 +31,7 @@ geometry! {
         columns: Other { Type::List(|| Type::Text, 0) }(Vec<Box<str>>)?,
         /// The array of an .npz file whose rows are read; required where several have rows of columns.
         array: Text(Box<str>)?,
-    }
+    } one of transforms, file not solid
 }
 
 impl GeometryKind for InstancesModel {

@@ -1,8 +1,13 @@
 //! What each kind of geometry tells of itself. Defaults are what holds for most.
 
+use std::sync::Arc;
+
 use crate::{
     scene::{
-        format::geometry::{GeometryModel, nesting::Inside, table::TableModel},
+        format::{
+            geometry::{GeometryModel, nesting::Inside, table::TableModel},
+            material::{MaterialModel, Surface},
+        },
         problem::Problem,
     },
     tracer::{
@@ -65,8 +70,42 @@ pub(super) trait GeometryKind {
     }
 }
 
+/// The surface of a kind of geometry, if it has one of its own.
+pub(super) trait Coat {
+    #[inline]
+    fn surface(&self) -> Surface<'_> {
+        Surface::default()
+    }
+
+    #[inline]
+    fn material_mut(&mut self) -> Option<&mut Arc<MaterialModel>> {
+        None
+    }
+}
+
 /// Declares a kind of geometry: an object with the fields that all geometries have, behind its own.
 macro_rules! geometry {
+    (@coat $model:ident $(at most)? one of color, material $($others:tt)*) => {
+        const _: () = {
+            use $crate::scene::format::{geometry::kind, material};
+
+            impl kind::Coat for $model {
+                #[inline]
+                fn surface(&self) -> material::Surface<'_> {
+                    let (color, material) = (self.color.as_ref(), self.material.as_ref());
+                    material::Surface { color, material }
+                }
+
+                #[inline]
+                fn material_mut(&mut self) -> Option<&mut std::sync::Arc<material::MaterialModel>> {
+                    self.material.as_mut()
+                }
+            }
+        };
+    };
+    (@coat $model:ident $($others:tt)*) => {
+        impl $crate::scene::format::geometry::kind::Coat for $model {}
+    };
     (
         $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* } $($sets:tt)*
     ) => {
@@ -79,12 +118,14 @@ macro_rules! geometry {
                 name: Name?,
             } $($sets)*
         }
+
+        $crate::scene::format::geometry::kind::geometry!(@coat $model $($sets)*);
     };
 }
 
 /// Declares a kind of geometry with one color or material.
 macro_rules! colored {
-    ($(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }) => {
+    ($(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* } $($more:tt)*) => {
         $crate::scene::format::geometry::kind::geometry! {
             $(#[$($meta)*])* pub struct $model = $name {
                 $($fields)*
@@ -92,7 +133,7 @@ macro_rules! colored {
                 color: Color?,
                 /// The material. Give this or `color`.
                 material: Thing(std::sync::Arc<$crate::scene::format::material::MaterialModel>)?,
-            } one of color, material
+            } one of color, material $($more)*
         }
     };
 }

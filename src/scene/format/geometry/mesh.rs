@@ -55,7 +55,7 @@ geometry! {
         /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
         /// color.
         material: Thing(Arc<MaterialModel>)?,
-    } at most one of color, material any of file, vertices
+    } at most one of color, material any of file, vertices not solid
 }
 
 /// The path of a mesh file, and its mesh.

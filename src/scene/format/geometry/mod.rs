@@ -48,8 +48,12 @@ use crate::{
     scene::{
         format::{
             color_by::ColorByModel,
-            field::{Name, Value},
-            geometry::{kind::GeometryKind, nesting::Inside, table::TableModel},
+            field::{FieldKind, Name, Value},
+            geometry::{
+                kind::{Coat, GeometryKind},
+                nesting::Inside,
+                table::TableModel,
+            },
             material::{Materials, Surface},
             thing::Thing,
             transform::TransformModel,
@@ -66,7 +70,7 @@ use crate::{
 
 variants! {
     /// A geometry.
-    pub enum GeometryModel = "Geometry" {
+    pub enum GeometryModel = "Geometry" for of_each {
         /// An infinite plane, seen from both sides.
         Plane(Box<PlaneModel>),
         /// A sphere.
@@ -111,38 +115,6 @@ variants! {
     }
 }
 
-/// Evaluates an expression for each kind of geometry, and another for those without a color and a
-/// material of their own.
-macro_rules! of_each {
-    ($self:expr, $model:ident => $value:expr) => {
-        of_each!($self, $model => $value, Bare($model) => $value)
-    };
-    ($self:expr, $model:ident => $value:expr, Bare($bare:pat) => $other:expr) => {
-        match $self {
-            GeometryModel::Part($bare) => $other,
-            GeometryModel::Group($bare) => $other,
-            GeometryModel::Instances($bare) => $other,
-            GeometryModel::Plane($model) => $value,
-            GeometryModel::Sphere($model) => $value,
-            GeometryModel::Disc($model) => $value,
-            GeometryModel::Rectangle($model) => $value,
-            GeometryModel::Triangle($model) => $value,
-            GeometryModel::Box($model) => $value,
-            GeometryModel::Cylinder($model) => $value,
-            GeometryModel::Cone($model) => $value,
-            GeometryModel::Capsule($model) => $value,
-            GeometryModel::Ellipsoid($model) => $value,
-            GeometryModel::Torus($model) => $value,
-            GeometryModel::Mesh($model) => $value,
-            GeometryModel::Spheres($model) => $value,
-            GeometryModel::Cylinders($model) => $value,
-            GeometryModel::Union($model) => $value,
-            GeometryModel::Intersection($model) => $value,
-            GeometryModel::Difference($model) => $value,
-        }
-    };
-}
-
 impl GeometryModel {
     /// Returns its name in the scene.
     pub(crate) fn name(&self) -> Option<&str> {
@@ -158,19 +130,16 @@ impl GeometryModel {
     /// Returns its color and its material.
     #[inline]
     pub(crate) fn surface(&self) -> Surface<'_> {
-        of_each!(self, geometry => Surface {
-            color: geometry.color.as_ref(),
-            material: geometry.material.as_deref(),
-        }, Bare(_) => Surface::default())
+        of_each!(self, geometry => geometry.surface())
     }
 
     /// Shares the material of another geometry if the two are equal: a million geometries hold one.
     #[inline]
     pub(crate) fn share_material(&mut self, other: &Self) {
-        let own = of_each!(self, geometry => geometry.material.as_mut(), Bare(_) => None);
-        let Some(own) = own else { return };
-        let other = of_each!(other, geometry => geometry.material.as_ref(), Bare(_) => None);
-        if let Some(other) = other.filter(|other| *other == own) {
+        let own = of_each!(self, geometry => geometry.material_mut());
+        if let Some((own, other)) = own.zip(other.surface().material)
+            && own == other
+        {
             own.clone_from(other);
         }
     }
@@ -325,8 +294,10 @@ impl GeometryModel {
     }
 
     /// Returns true if its color and material are its own; a part, a group and instances have none.
-    pub(crate) const fn has_surface(&self) -> bool {
-        !matches!(self, Self::Part(_) | Self::Group(_) | Self::Instances(_))
+    pub(crate) fn has_surface(&self) -> bool {
+        self.fields()
+            .iter()
+            .any(|field| field.kind == FieldKind::Color)
     }
 
     /// Its transform.

@@ -11,7 +11,7 @@ geometry! {
         /// True to add its lights; false is the default. The light of this scene falls on the part in
         /// either case.
         lights: Flag = false,
-    }
+    } not solid
 }
 
 impl GeometryKind for PartModel {}

@@ -27,7 +27,7 @@ colored! {
         edge_u | u: Edge,
         /// The edge from the corner to the other neighbor.
         edge_v | v: Edge,
-    }
+    } not solid
 }
 
 impl GeometryKind for RectangleModel {

@@ -29,22 +29,11 @@ use crate::{
     },
 };
 
-/// The kinds of geometries that are not solids.
-const OTHERS: &[&str] = &[
-    "Disc",
-    "Rectangle",
-    "Triangle",
-    "Mesh",
-    "Spheres",
-    "Cylinders",
-    "Part",
-    "Instances",
-];
-
 /// The kinds of geometries that are solids: first the simple ones, then those of others.
 pub(crate) static SOLIDS: LazyLock<Vec<&str>> = LazyLock::new(|| {
-    let all = GeometryModel::VARIANTS.iter().map(|variant| variant.name);
-    all.filter(|name| !OTHERS.contains(name)).collect()
+    let is_solid = |variant: &&Variant| variant.object().is_some_and(|object| object.is_solid);
+    let solids = GeometryModel::VARIANTS.iter().filter(is_solid);
+    solids.map(|variant| variant.name).collect()
 });
 
 /// A solid inside of another one.
@@ -89,6 +78,7 @@ static GROUP: LazyLock<Object> = LazyLock::new(|| {
         docs: GroupModel::of_type().docs(),
         fields: &FIELDS,
         sets: &[],
+        is_solid: true,
     }
 });
 
@@ -96,9 +86,6 @@ static GROUP: LazyLock<Object> = LazyLock::new(|| {
 fn solid() -> Type {
     Type::OneOf(&SOLID)
 }
-
-/// The fields of solids with the solids inside.
-pub(crate) const OPERANDS: &[&str] = &["of", "minus"];
 
 geometry! {
     /// The union of several solids.

@@ -74,7 +74,7 @@ geometry! {
         /// The material of all rows; the color of a row replaces its first color. Give at most one of this
         /// and `color`.
         material: Thing(Arc<MaterialModel>)?,
-    } at most one of color, material
+    } at most one of color, material not solid
 }
 
 geometry! {
@@ -101,5 +101,5 @@ geometry! {
         /// The material of all rows; the color of a row replaces its first color. Give at most one of this
         /// and `color`.
         material: Thing(Arc<MaterialModel>)?,
-    } at most one of color, material
+    } at most one of color, material not solid
 }

@@ -26,7 +26,7 @@ colored! {
         b | v1: Point,
         /// The third corner.
         c | v2: Point,
-    }
+    } not solid
 }
 
 impl TriangleModel {

@@ -23,7 +23,7 @@ use crate::{
 
 variants! {
     /// A light.
-    pub enum LightModel = "Light" {
+    pub enum LightModel = "Light" for of_each {
         /// Light from everywhere; it casts no shadows.
         Ambient(AmbientLightModel) | AmbientLight,
         /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
@@ -75,23 +75,11 @@ trait LightKind {
     /// The light.
     fn build(&self) -> Result<Light, GeometryError>;
 
-    /// Returns its position and the point that it is directed at, if a point alone directs it.
-    fn aim(&self) -> Option<[DVec3; 2]> {
+    /// Returns the vector to the point that it is directed at, if a point alone directs it and all
+    /// numbers are finite.
+    fn to_target(&self) -> Option<DVec3> {
         None
     }
-}
-
-/// Evaluates an expression for each kind of light.
-macro_rules! of_each {
-    ($self:expr, $model:ident => $value:expr) => {
-        match $self {
-            Self::Ambient($model) => $value,
-            Self::Headlight($model) => $value,
-            Self::Directional($model) => $value,
-            Self::Point($model) => $value,
-            Self::Spot($model) => $value,
-        }
-    };
 }
 
 impl LightModel {
@@ -108,8 +96,7 @@ impl LightModel {
     /// Returns the vector to the point that it is directed at, if a point alone directs it and all
     /// numbers are finite.
     pub(crate) fn to_target(&self) -> Option<DVec3> {
-        let [from, to] = of_each!(self, light => light.aim())?;
-        (from.is_finite() && to.is_finite()).then(|| to - from)
+        of_each!(self, light => light.to_target())
     }
 }
 

@@ -34,28 +34,20 @@ light! {
 
 impl LightKind for SpotLightModel {
     fn build(&self) -> Result<Light, GeometryError> {
-        let to_target = || self.aim().map(|[from, to]| to - from);
-        let direction = self.direction.map(DVec3::from).or_else(to_target);
+        let to_target = || self.to_target().unwrap_or_default();
         let cone = Cone {
-            direction: direction.unwrap_or_default(),
+            direction: self.direction.map_or_else(to_target, DVec3::from),
             angle: self.angle,
             blend: self.blend(),
         };
-        let (color, falloff) = (self.color().build(), self.falloff().into());
-        let (intensity, shadows) = (self.intensity(), self.shadows());
-        Spot::new(
-            self.position.into(),
-            cone,
-            color,
-            intensity,
-            falloff,
-            shadows,
-        )
-        .map(Light::from)
+        let (position, color) = (self.position.into(), self.color().build());
+        let (intensity, falloff) = (self.intensity(), self.falloff().into());
+        Spot::new(position, cone, color, intensity, falloff, self.shadows()).map(Light::from)
     }
 
-    fn aim(&self) -> Option<[DVec3; 2]> {
+    fn to_target(&self) -> Option<DVec3> {
         let target = self.look_at.filter(|_| self.direction.is_none())?;
-        Some([self.position.into(), target.into()])
+        let [from, to] = [self.position, target].map(DVec3::from);
+        (from.is_finite() && to.is_finite()).then(|| to - from)
     }
 }

@@ -13,7 +13,7 @@ pub use self::{
     mirror::MirrorModel, named::NamedModel, phong::PhongModel,
 };
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use serde::de::MapAccess;
 
@@ -28,7 +28,7 @@ use crate::{
 
 variants! {
     /// What a surface does with light. Without `lights` a geometry shows its first color.
-    pub enum MaterialModel = "Material" {
+    pub enum MaterialModel = "Material" for of_each {
         /// Scatters light evenly to all sides.
         Matte(MatteModel) | Lambert | Lambertian | Diffuse | MeshLambertMaterial,
         /// Scatters light, with a highlight, and may reflect a part of what is around it.
@@ -51,6 +51,14 @@ pub(crate) trait MaterialKind {
     /// The material.
     fn build(&self) -> Result<Material, GeometryError>;
 
+    /// Returns itself; the name of a material that is described elsewhere has a method in place of this.
+    fn described(&self) -> Result<&dyn MaterialKind, &str>
+    where
+        Self: Sized,
+    {
+        Ok(self)
+    }
+
     /// Returns true if light goes through.
     fn is_glass(&self) -> bool {
         false
@@ -70,15 +78,7 @@ pub(crate) trait MaterialKind {
 impl MaterialModel {
     /// Returns the description, or the name of one.
     pub(crate) fn described(&self) -> Result<&dyn MaterialKind, &str> {
-        match self {
-            Self::Matte(material) => Ok(material),
-            Self::Phong(material) => Ok(material),
-            Self::Mirror(material) => Ok(material),
-            Self::Glass(material) => Ok(material),
-            Self::Flat(material) => Ok(material),
-            Self::Emissive(material) => Ok(material),
-            Self::Named(NamedModel(name)) => Err(name),
-        }
+        of_each!(self, material => material.described())
     }
 
     /// Returns the description, also of a named material; `None` for an unknown name.
@@ -115,7 +115,7 @@ impl<'de> Entry<'de> for MaterialModel {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Surface<'m> {
     pub(crate) color: Option<&'m ColorModel>,
-    pub(crate) material: Option<&'m MaterialModel>,
+    pub(crate) material: Option<&'m Arc<MaterialModel>>,
 }
 
 impl Surface<'_> {

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::format::thing::{Thing, Type};
+use crate::scene::format::{
+    material::MaterialKind,
+    thing::{Thing, Type},
+};
 
 /// The name of one of the scene's `materials`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,6 +15,11 @@ pub struct NamedModel(pub Box<str>);
 impl NamedModel {
     /// The name of the variant that it is.
     pub(crate) const VARIANT: &str = "Named";
+
+    /// Returns the name, in place of a description.
+    pub(super) fn described(&self) -> Result<&dyn MaterialKind, &str> {
+        Err(&self.0)
+    }
 }
 
 impl Thing for NamedModel {
