@@ -3,41 +3,21 @@
 use std::sync::LazyLock;
 
 use crate::{
-    scene::format::{field::Field, scene::Model, thing::Type},
+    scene::format::{scene::Model, thing::Thing},
     text::nearest::nearest,
 };
 
 /// Each of those names, with the name of the format.
 static OTHERS: LazyLock<Vec<[&str; 2]>> = LazyLock::new(|| {
     let mut found = Vec::new();
-    add(Model::FIELDS, &mut found, &mut Vec::new());
-    found
-});
-
-/// Adds those of fields, and of what is in them.
-fn add(
-    fields: &'static [Field],
-    found: &mut Vec<[&'static str; 2]>,
-    seen: &mut Vec<&'static [Field]>,
-) {
-    if seen.iter().any(|other| std::ptr::eq(*other, fields)) {
-        return;
-    }
-    seen.push(fields);
-    for field in fields {
+    for field in Model::of_type().all_fields() {
         found.extend(field.others.iter().map(|other| [*other, field.name]));
-        match (field.of_type)().innermost() {
-            Type::Object(object, _) => add(object.fields, found, seen),
-            Type::OneOf(one_of) => {
-                for variant in one_of.variants {
-                    found.extend(variant.others.iter().map(|other| [*other, variant.name]));
-                    add(variant.fields(), found, seen);
-                }
-            }
-            _ => {}
+        for variant in (field.of_type)().innermost().variants() {
+            found.extend(variant.others.iter().map(|other| [*other, variant.name]));
         }
     }
-}
+    found
+});
 
 /// Returns the name in `known` that is meant by the name of another program, or that is most similar.
 pub(crate) fn near<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {

@@ -1,7 +1,7 @@
 //! The things of the format: their types, which fields they have, and what is inside of them. The schema,
 //! completion, and whatever leads from a path to a value, or from a value to a path, ask them.
 
-use std::{ops::ControlFlow, sync::Arc};
+use std::{ops::ControlFlow, ptr, sync::Arc};
 
 use serde::{Serialize, de::DeserializeOwned};
 
@@ -59,10 +59,7 @@ impl Type {
 
     /// Returns the fields of the object, or those of all variants.
     pub(crate) fn fields(self) -> impl Iterator<Item = &'static Field> {
-        let object: &[Field] = match self {
-            Self::Object(object, _) => object.fields,
-            _ => &[],
-        };
+        let object = self.object().map_or(&[][..], |object| object.fields);
         let variants = self.variants().iter();
         object
             .iter()
@@ -71,20 +68,48 @@ impl Type {
 }
 
 impl Type {
+    /// Returns the fields of the object, or those of all variants, each followed by those of its own
+    /// type; each once.
+    pub(crate) fn all_fields(self) -> Vec<&'static Field> {
+        let mut found = Vec::new();
+        self.add_fields(&mut found);
+        found
+    }
+
+    fn add_fields(self, found: &mut Vec<&'static Field>) {
+        for field in self.innermost().fields() {
+            if !found.iter().any(|other| ptr::eq(*other, field)) {
+                found.push(field);
+                (field.of_type)().add_fields(found);
+            }
+        }
+    }
+
     /// Returns a field of an object.
     pub(crate) fn field(self, name: &str) -> Option<&'static Field> {
+        let mut fields = self.object()?.fields.iter();
+        fields.find(|field| field.name == name)
+    }
+
+    /// Returns the object of which it is the type.
+    pub(crate) const fn object(self) -> Option<&'static Object> {
         match self {
-            Self::Object(object, _) => object.fields.iter().find(|field| field.name == name),
+            Self::Object(object, _) => Some(object),
+            _ => None,
+        }
+    }
+
+    /// Returns the several of which a value is one.
+    pub(crate) const fn one_of(self) -> Option<&'static OneOf> {
+        match self {
+            Self::OneOf(one_of) => Some(one_of),
             _ => None,
         }
     }
 
     /// Returns the objects or words of which a value is one.
-    pub(crate) const fn variants(self) -> &'static [Variant] {
-        match self {
-            Self::OneOf(one_of) => one_of.variants,
-            _ => &[],
-        }
+    pub(crate) fn variants(self) -> &'static [Variant] {
+        self.one_of().map_or(&[], |one_of| one_of.variants)
     }
 
     /// Returns one of them by its name.
@@ -211,10 +236,7 @@ pub(crate) struct Variant {
 impl Variant {
     /// Returns the object, if it is one.
     pub(crate) fn object(self) -> Option<&'static Object> {
-        match self.content?() {
-            Type::Object(object, _) => Some(object),
-            _ => None,
-        }
+        self.content?().object()
     }
 
     /// Returns the fields of the object.

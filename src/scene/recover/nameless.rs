@@ -120,35 +120,21 @@ pub(super) fn fits(variant: &str, given: &[impl AsRef<str>]) -> bool {
 /// Returns the objects that a variant of the format may be: there are several of some names.
 fn objects(variant: &str) -> impl Iterator<Item = &'static Object> {
     static ALL: LazyLock<Vec<&OneOf>> = LazyLock::new(|| {
-        let mut all = Vec::new();
-        add(Model::of_type(), &mut all);
+        let fields = Model::of_type().all_fields().into_iter();
+        let types = fields.map(|field| (field.of_type)().innermost());
+        let mut all: Vec<_> = types.filter_map(Type::one_of).collect();
         all.sort_by_key(|one_of| one_of.name);
+        all.dedup_by_key(|one_of| one_of.name);
         all
     });
     let variants = ALL.iter().flat_map(|one_of| one_of.variants);
     let variants = variants.filter(move |one| one.name == variant);
-    variants.filter_map(|one| match one.content?() {
-        Type::Object(object, _) => Some(object),
-        _ => None,
-    })
+    variants.filter_map(|one| one.object())
 }
 
 /// Returns true for the name of an object that is one of several.
 pub(super) fn is_known(variant: &str) -> bool {
     objects(variant).next().is_some()
-}
-
-/// Adds everything inside of a type that is one of several, each once.
-fn add(of_type: Type, found: &mut Vec<&'static OneOf>) {
-    let of_type = of_type.innermost();
-    if let Type::OneOf(one_of) = of_type {
-        if found.iter().any(|other| other.name == one_of.name) {
-            return;
-        }
-        found.push(one_of);
-    }
-    let fields = of_type.fields();
-    fields.for_each(|field| add((field.of_type)(), found));
 }
 
 /// Returns true if a value has a type.
@@ -196,23 +182,11 @@ fn admits(of_type: Type, text: &str, tree: &Tree, value: NodeId) -> bool {
         // A variant is an object with its name as the key.
         NodeKind::Tuple | NodeKind::Struct | NodeKind::Unit => {
             let name = node.name().and_then(|name| text.get(name));
-            name.is_some_and(|name| has(of_type, name))
+            name.is_some_and(|name| of_type.value(name).is_some())
         }
         NodeKind::Map => {
             let first = tree.fields(value).next();
-            first.is_some_and(|(key, _)| has(of_type, &name_of(text, tree, key)))
-        }
-        _ => false,
-    }
-}
-
-/// Returns true if an object has this field, or if one of several has this name.
-fn has(of_type: Type, name: &str) -> bool {
-    match of_type {
-        Type::Object(object, _) => object.fields.iter().any(|field| field.name == name),
-        Type::OneOf(one_of) => {
-            let mut variants = one_of.variants.iter();
-            variants.any(|one| one.name == name && one.content.is_some())
+            first.is_some_and(|(key, _)| of_type.value(&name_of(text, tree, key)).is_some())
         }
         _ => false,
     }

@@ -1,6 +1,6 @@
 //! The animation of a scene file.
 
-use std::{collections::HashSet, fmt, marker::PhantomData, sync::LazyLock};
+use std::{fmt, iter, marker::PhantomData, sync::LazyLock};
 
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
@@ -121,30 +121,19 @@ words! {
 pub(crate) static CHANGING: LazyLock<Vec<(&Field, Vec<&Field>)>> = LazyLock::new(|| {
     let roots = Model::FIELDS.iter().filter(|root| root.name != "animation");
     let all = roots.map(|root| {
-        let (mut found, mut seen) = (Vec::new(), HashSet::new());
-        add_changing(root, &mut found, &mut seen);
+        let inside = (root.of_type)().all_fields();
+        let fields = iter::once(root).chain(inside);
+        let mut found: Vec<&Field> = Vec::new();
+        for field in fields.filter(|field| field.kind.changes()) {
+            // A name occurs once.
+            if found.iter().all(|other| other.name != field.name) {
+                found.push(field);
+            }
+        }
         (root, found)
     });
     all.filter(|(_, found)| !found.is_empty()).collect()
 });
-
-/// Adds a field, if it can change, and those of what is in it. A name occurs once.
-fn add_changing(
-    field: &'static Field,
-    found: &mut Vec<&'static Field>,
-    seen: &mut HashSet<*const Field>,
-) {
-    if !seen.insert(std::ptr::from_ref(field)) {
-        return;
-    }
-    if field.kind.changes() && found.iter().all(|other| other.name != field.name) {
-        found.push(field);
-    }
-    let inside = (field.of_type)().innermost();
-    inside
-        .fields()
-        .for_each(|field| add_changing(field, found, seen));
-}
 
 /// The kind of what a path leads to, by the fields of what it begins with; `None` for one number of
 /// several.
