@@ -17,7 +17,7 @@ use crate::{
         animation::frames::Frames,
         build,
         format::{
-            geometry::nesting::Ordinal, image::ImageModel, outlines::OutlinesModel, scene::Model,
+            geometry::ordinal::Ordinal, image::ImageModel, outlines::OutlinesModel, scene::Model,
         },
         framing::Subject,
         scales::Scales,

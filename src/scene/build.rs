@@ -9,9 +9,8 @@ use crate::{
         format::{
             color::ColorModel,
             geometry::{
-                GeometryModel, GroupModel, InstancesModel,
-                nesting::{Leaf, Ordinal},
-                placement::Placement,
+                GeometryModel, GroupModel, InstancesModel, ordinal::Ordinal, placement::Placement,
+                walk::Leaf,
             },
             light::LightModel,
             lighting::LightingModel,

@@ -13,7 +13,7 @@ use crate::{
     scene::{
         files,
         format::{
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{GeometryModel, ordinal::Ordinal},
             scene::Model,
             warning::WarningName,
         },

@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     scene::format::{
-        geometry::{GeometryModel, nesting::Ordinal, placement::Placement},
+        geometry::{GeometryModel, ordinal::Ordinal, placement::Placement},
         scene::Model,
     },
     tracer::error::GeometryError,

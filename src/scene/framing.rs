@@ -13,7 +13,7 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
-            camera::CameraModel, field::Slot, fit::FitModel, geometry::nesting::Ordinal,
+            camera::CameraModel, field::Slot, fit::FitModel, geometry::ordinal::Ordinal,
             scene::Model, thing::Thing,
         },
         movers::Movers,

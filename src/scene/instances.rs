@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use crate::{
     scene::format::{
-        geometry::{GeometryModel, InstancesModel, nesting::Ordinal, placement::Placement},
+        geometry::{GeometryModel, InstancesModel, ordinal::Ordinal, placement::Placement},
         scene::Model,
     },
     tracer::{

@@ -9,10 +9,7 @@ use crate::{
     },
     scene::{
         format::{
-            geometry::{
-                GeometryModel,
-                nesting::{FIELD_NAMES, Ordinal},
-            },
+            geometry::{GeometryModel, inside::FIELD_NAMES, ordinal::Ordinal},
             scene::Model,
             thing::{Thing, Type},
         },

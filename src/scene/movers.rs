@@ -8,10 +8,7 @@ use crate::{
         animation::frames::Frames,
         build,
         format::{
-            geometry::{
-                nesting::{Leaf, Ordinal},
-                placement::Placement,
-            },
+            geometry::{ordinal::Ordinal, placement::Placement, walk::Leaf},
             scene::Model,
             transform::TransformModel,
         },

@@ -13,11 +13,7 @@ use crate::{
         foreign::Foreign,
         format::{
             color::ColorModel,
-            geometry::{
-                GeometryModel,
-                nesting::{Leaf, Ordinal},
-                table::TableModel,
-            },
+            geometry::{GeometryModel, ordinal::Ordinal, table::TableModel, walk::Leaf},
             material::MaterialsModel,
             scene::Model,
             transform::TransformModel,

@@ -5,7 +5,7 @@ use crate::{
     scene::{
         format::{
             field::Field,
-            geometry::{GeometryModel, PartModel, nesting::Ordinal},
+            geometry::{GeometryModel, PartModel, ordinal::Ordinal},
             light::LightModel,
             scene::Model,
         },

@@ -6,7 +6,7 @@ use crate::{
     data::table::Table,
     film::size::Size,
     scene::{
-        format::geometry::{nesting::Leaf, placement::Placement},
+        format::geometry::{placement::Placement, walk::Leaf},
         tables::{Content, Tables},
     },
     tracer::{
@@ -187,7 +187,7 @@ mod tests {
     use crate::scene::format::{
         camera::CameraModel,
         color::ColorModel,
-        geometry::{GeometryModel, nesting::Ordinal, plane::PlaneModel, sphere::SphereModel},
+        geometry::{GeometryModel, ordinal::Ordinal, plane::PlaneModel, sphere::SphereModel},
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,

@@ -14,10 +14,7 @@ use crate::{
             camera::CameraModel,
             cameras::CamerasModel,
             field::Slot,
-            geometry::{
-                GeometryModel,
-                nesting::{Leaf, Ordinal},
-            },
+            geometry::{GeometryModel, ordinal::Ordinal, walk::Leaf},
             scene::Model,
         },
         instances::Prototypes,

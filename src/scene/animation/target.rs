@@ -9,7 +9,7 @@ use crate::{
         format::{
             animation::CHANGING,
             field::{Field, FieldKind, Slot},
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{GeometryModel, ordinal::Ordinal},
             image::ImageModel,
             material::MaterialModel,
             scene::Model,

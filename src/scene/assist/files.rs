@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     scene::{
-        format::{geometry::nesting::FIELD_NAMES, scene::Model},
+        format::{geometry::inside::FIELD_NAMES, scene::Model},
         locate::{body, items},
         options::ReadOptions,
     },

@@ -8,7 +8,7 @@ use crate::{
     scene::{
         format::{
             cameras::fault_of_name,
-            geometry::nesting::FIELD_NAMES,
+            geometry::inside::FIELD_NAMES,
             scene::Model,
             thing::{Thing, Type},
         },

@@ -7,7 +7,7 @@ use crate::{
     diagnostic::named::named,
     scene::{
         format::{
-            geometry::nesting::FIELD_NAMES,
+            geometry::inside::FIELD_NAMES,
             scene::Model,
             thing::{Thing, Type},
         },

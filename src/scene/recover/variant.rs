@@ -10,7 +10,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, Fix, path::Trail},
     scene::{
         format::{
-            geometry::{nesting::FIELD_NAMES, solid::SOLIDS},
+            geometry::{inside::FIELD_NAMES, solid::SOLIDS},
             material::NamedModel,
             scene::Model,
         },

@@ -7,10 +7,7 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
-            geometry::{
-                GeometryModel,
-                nesting::{Leaf, Ordinal},
-            },
+            geometry::{GeometryModel, ordinal::Ordinal, walk::Leaf},
             scene::Model,
         },
         framing::Framing,

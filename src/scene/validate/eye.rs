@@ -7,7 +7,7 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            geometry::{GeometryModel, nesting::Leaf},
+            geometry::{GeometryModel, walk::Leaf},
             scene::Model,
         },
         part::Part,

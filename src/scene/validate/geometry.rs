@@ -7,7 +7,7 @@ use crate::{
         animation::frames::Frames,
         duplicates::Duplicates,
         format::{
-            geometry::{GeometryModel, MeshModel, nesting::Ordinal},
+            geometry::{GeometryModel, MeshModel, ordinal::Ordinal},
             scene::Model,
             thing::Thing,
         },

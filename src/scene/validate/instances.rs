@@ -5,7 +5,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{GeometryModel, InstancesModel, nesting::Ordinal},
+            geometry::{GeometryModel, InstancesModel, ordinal::Ordinal},
             scene::Model,
         },
         instances::{Prototypes, Refused},

@@ -10,7 +10,7 @@ use crate::{
     parallel::Cancel,
     scene::{
         format::{
-            geometry::{mesh::MeshModel, nesting::Ordinal},
+            geometry::{mesh::MeshModel, ordinal::Ordinal},
             scene::Model,
         },
         problem::{Focus, Problem},

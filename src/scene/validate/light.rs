@@ -9,7 +9,7 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
-            geometry::{GeometryModel, nesting::Leaf},
+            geometry::{GeometryModel, walk::Leaf},
             light::LightModel,
             scene::Model,
             thing::Thing,

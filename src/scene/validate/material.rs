@@ -8,7 +8,7 @@ use crate::{
     scene::{
         format::{
             color_by::{ColorByModel, ColormapModel},
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{GeometryModel, ordinal::Ordinal},
             image::ImageModel,
             material::MaterialModel,
             scene::Model,

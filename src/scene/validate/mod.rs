@@ -25,7 +25,7 @@ use crate::{
         animation::frames::Frames,
         duplicates::Duplicates,
         format::{
-            geometry::{GeometryModel, nesting::Ordinal, placement::Placement},
+            geometry::{GeometryModel, ordinal::Ordinal, placement::Placement},
             image::ImageModel,
             scene::Model,
             thing::Thing,

@@ -5,7 +5,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{GeometryModel, nesting::Ordinal, placement::Placement, solid::SOLIDS},
+            geometry::{GeometryModel, ordinal::Ordinal, placement::Placement, solid::SOLIDS},
             scene::Model,
             thing::Thing,
         },

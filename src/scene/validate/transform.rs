@@ -5,7 +5,7 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            geometry::{nesting::Ordinal, placement::Placement},
+            geometry::{ordinal::Ordinal, placement::Placement},
             scene::Model,
             thing::Thing,
             transform::{ScaleModel, TransformModel},

@@ -7,10 +7,7 @@ use crate::{
         animation::frames::Frames,
         format::{
             camera::CameraModel,
-            geometry::{
-                GeometryModel,
-                nesting::{Leaf, Ordinal},
-            },
+            geometry::{GeometryModel, ordinal::Ordinal, walk::Leaf},
             scene::Model,
         },
         framing::Framing,

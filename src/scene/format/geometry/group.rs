@@ -3,8 +3,8 @@
 use crate::scene::format::{
     geometry::{
         GeometryModel,
+        inside::Inside,
         kind::{FIELDS, GeometryKind, geometry},
-        nesting::Inside,
     },
     scene::Model,
 };

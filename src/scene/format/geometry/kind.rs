@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::{
     scene::{
         format::{
-            geometry::{GeometryModel, nesting::Inside, table::TableModel},
+            geometry::{GeometryModel, inside::Inside, table::TableModel},
             material::{MaterialModel, Surface},
         },
         problem::Problem,

@@ -8,10 +8,11 @@ pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 mod faults;
 pub(crate) mod group;
+pub(crate) mod inside;
 pub(crate) mod instances;
 mod kind;
 pub(crate) mod mesh;
-pub(crate) mod nesting;
+pub(crate) mod ordinal;
 pub(crate) mod part;
 pub(crate) mod placement;
 pub(crate) mod plane;
@@ -21,6 +22,7 @@ pub(crate) mod sphere;
 pub(crate) mod table;
 pub(crate) mod torus;
 pub(crate) mod triangle;
+pub(crate) mod walk;
 
 pub use self::{
     capsule::CapsuleModel,
@@ -50,8 +52,8 @@ use crate::{
             color_by::ColorByModel,
             field::{FieldKind, Name, Value},
             geometry::{
+                inside::Inside,
                 kind::{Coat, GeometryKind},
-                nesting::Inside,
                 table::TableModel,
             },
             material::{Materials, Surface},

@@ -11,8 +11,8 @@ use crate::{
         geometry::{
             GeometryModel,
             group::GroupModel,
+            inside::Inside,
             kind::{FIELDS, GeometryKind, geometry},
-            nesting::Inside,
             placement::Placement,
         },
         material::{MaterialModel, Materials, Surface},
