@@ -310,6 +310,22 @@ pub(crate) fn content(text: &str, tree: &Tree, (id, of_type): Typed) -> Typed {
     }
 }
 
+/// Returns the fields of a struct, the entries of a map or the elements of a list: those of the first two
+/// with their keys.
+pub(crate) fn parts<'t>(
+    text: &'t str,
+    tree: &'t Tree,
+    (id, of_type): Typed,
+) -> impl Iterator<Item = (Option<NodeId>, Typed)> + use<'t> {
+    let fields = tree.fields(id).map(move |(key, value)| {
+        let of_value = of_type.and_then(|of_type| of_type.value(&name_of(text, tree, key)));
+        (Some(key), (value, of_value))
+    });
+    let is_list = matches!(tree.node(id).kind(), NodeKind::List | NodeKind::Tuple);
+    let items = is_list.then(|| tree.children(id)).into_iter().flatten();
+    fields.chain(items.map(move |item| (None, (item, of_type.and_then(Type::element)))))
+}
+
 /// Returns the path of the innermost value at an offset.
 pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
     let mut path = Path::ROOT;
@@ -322,31 +338,19 @@ pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
         range.contains(&offset)
     };
     loop {
-        let (around, of_type) = content(text, tree, typed);
-        let (step, value) = match tree.node(around).kind() {
-            NodeKind::Struct | NodeKind::Map => {
-                let mut fields = tree.fields(around);
-                let Some((key, value)) = fields.find(|(key, value)| holds(*key, *value)) else {
-                    return path;
-                };
-                let name = name_of(text, tree, key);
-                let of_value = of_type.and_then(|of_type| of_type.value(&name));
-                let step = match of_type {
-                    Some(Type::Map(..) | Type::Tracks) => Step::Key(name.into()),
-                    _ => Step::Field(name.into_owned().into()),
-                };
-                (step, (value, of_value))
-            }
-            NodeKind::List | NodeKind::Tuple => {
-                let mut items = tree.children(around).enumerate();
-                let Some((index, item)) = items.find(|(_, item)| holds(*item, *item)) else {
-                    return path;
-                };
-                (Step::Index(index), (item, of_type.and_then(Type::element)))
-            }
-            _ => return path,
+        let around = content(text, tree, typed);
+        let mut parts = parts(text, tree, around).enumerate();
+        let found = parts.find(|(_, (key, (value, _)))| holds(key.unwrap_or(*value), *value));
+        let Some((index, (key, value))) = found else {
+            return path;
         };
-        path = path.then(step);
+        path = path.then(match key.map(|key| name_of(text, tree, key)) {
+            None => Step::Index(index),
+            Some(name) => match around.1 {
+                Some(Type::Map(..) | Type::Tracks) => Step::Key(name.into()),
+                _ => Step::Field(name.into_owned().into()),
+            },
+        });
         typed = value;
     }
 }

@@ -8,6 +8,7 @@ use crate::{
             scene::Model,
             thing::{Thing, Type},
         },
+        locate::parts,
         source::Source,
     },
     text::syntax::{self, NodeId, NodeKind, Syntax, Tree},
@@ -198,29 +199,22 @@ impl<'a> Finder<'a> {
     }
 
     fn inner(&self, around: &Around<'a>, offset: usize) -> Option<Around<'a>> {
-        match self.tree.node(around.node).kind() {
-            NodeKind::Struct | NodeKind::Map => {
-                let mut fields = self.tree.fields(around.node);
-                let (key, node) = fields.find(|(_, value)| self.holds(*value, offset))?;
-                let name = self.name(key);
-                Some(Around {
-                    node,
-                    content: around.content.value(&name)?,
-                    field: Some((around.content, name)),
-                })
-            }
-            NodeKind::List | NodeKind::Tuple => {
-                let mut items = self.tree.children(around.node);
-                let node = items.find(|item| self.holds(*item, offset))?;
-                Some(Around {
-                    node,
-                    // The only item of a tuple may be the content of a variant.
-                    content: around.content.element().unwrap_or(around.content),
-                    field: around.field.clone(),
-                })
-            }
-            _ => None,
-        }
+        let outer = (around.node, Some(around.content));
+        let mut parts = parts(self.text, self.tree, outer);
+        let (key, (node, content)) = parts.find(|(_, (value, _))| self.holds(*value, offset))?;
+        Some(match key {
+            Some(key) => Around {
+                node,
+                content: content?,
+                field: Some((around.content, self.name(key))),
+            },
+            None => Around {
+                node,
+                // The only item of a tuple may be the content of a variant.
+                content: content.unwrap_or(around.content),
+                field: around.field.clone(),
+            },
+        })
     }
 
     /// Returns true if an offset is between the brackets of a container, or behind one that is not

@@ -203,6 +203,8 @@ pub(crate) struct Field {
     pub(crate) docs: &'static str,
     /// Its names in other programs.
     pub(crate) others: &'static [&'static str],
+    /// Those of which the value there is not that of the field.
+    pub(crate) unlike: &'static [&'static str],
     pub(crate) kind: FieldKind,
     pub(crate) is_required: bool,
     /// Its default, if it has one.

@@ -53,7 +53,7 @@ object! {
     /// All rays start at the eye.
     pub struct PerspectiveProjectionModel = "Perspective" {
         /// The full vertical angle of view in degrees, above 0 and below 180.
-        fov | alpha | angle | half_angle: Angle,
+        fov ! alpha ! angle ! half_angle: Angle,
     }
 }
 

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! Behind a `|` stand the names that other programs, or the course, give a field: who writes one is told
-//! the name. A field is required, or optional with a default, or optional without one (`?`); `?= value` is
+//! the name; behind a `!` those whose values are not those of the field. A field is required, or optional with a default, or optional without one (`?`); `?= value` is
 //! for a field without a default that a track begins with a value. Behind the name of a field
 //! stands its [`Kind`], which determines its type; `Kind(Rust type)` has another one. `Thing(…)` has
 //! fields of its own, and `Choice(…)` is one of several words. `Text(…)`, `File { endings }(…)` and
@@ -55,35 +55,35 @@ macro_rules! object {
 
     // One field after another, with a list of those before it.
     (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
-        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
+        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)* $(! $unlike:ident)*:
         $kind:ident $({ $of:expr })? $(($type:ty))? = $default:expr, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $docs $model $name $sets [$($done)* {
                 [$([$($meta)*])* [serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] [$($other)*] optional $kind [$($of)?] [$($type)?] [$default] [$default]
+                $field [$($rename)?] [$($other)*; $($unlike)*] optional $kind [$($of)?] [$($type)?] [$default] [$default]
             }] $($rest)*
         }
     };
     (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
-        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
+        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)* $(! $unlike:ident)*:
         $kind:ident $({ $of:expr })? $(($type:ty))? ? $(= $first:expr)?, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $docs $model $name $sets [$($done)* {
                 [$([$($meta)*])* [serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
-                $field [$($rename)?] [$($other)*] optional $kind [$($of)?] [$($type)?] [$($first)?] []
+                $field [$($rename)?] [$($other)*; $($unlike)*] optional $kind [$($of)?] [$($type)?] [$($first)?] []
             }] $($rest)*
         }
     };
     (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
-        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)*:
+        $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)* $(! $unlike:ident)*:
         $kind:ident $({ $of:expr })? $(($type:ty))?, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $docs $model $name $sets [$($done)* {
                 [$([$($meta)*])* $([serde(rename = $rename)])?]
-                $field [$($rename)?] [$($other)*] required $kind [$($of)?] [$($type)?] [] []
+                $field [$($rename)?] [$($other)*; $($unlike)*] required $kind [$($of)?] [$($type)?] [] []
             }] $($rest)*
         }
     };
@@ -92,7 +92,7 @@ macro_rules! object {
         [$($needs:ident $one:ident $another:ident,)*; $($solid:ident)?]
         [$({
             [$([$($attribute:tt)*])*]
-            $field:ident [$($rename:literal)?] [$($other:ident)*] $given:ident $kind:ident $of:tt $type:tt
+            $field:ident [$($rename:literal)?] [$($other:ident)*; $($unlike:ident)*] $given:ident $kind:ident $of:tt $type:tt
             [$($first:expr)?] [$($default:expr)?]
         })*]
     ) => {
@@ -122,6 +122,7 @@ macro_rules! object {
                         name: object::object!(@name $field $($rename)?),
                         docs: object::docs!($([$($attribute)*])*),
                         others: &[$(stringify!($other)),*],
+                        unlike: &[$(stringify!($unlike)),*],
                         kind: object::object!(@kind $kind $of),
                         is_required: object::object!(@is_required $given),
                         default: object::object!(@default $($default)?),

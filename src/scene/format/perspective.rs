@@ -27,7 +27,7 @@ object! {
         up | t | sky: Direction = UP,
         /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
         /// equation.
-        fov | alpha | angle | half_angle: Angle,
+        fov ! alpha ! angle ! half_angle: Angle,
     } one of gaze, look_at
 }
 

@@ -30,7 +30,7 @@ colored! {
         center | position | location | c: Point,
         /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
         /// cannot change over time.
-        axes | radii: Other { Type::Tuple(|| Type::Value(FieldKind::Edge), 3) }(Vec<Triple>),
+        axes ! radii: Other { Type::Tuple(|| Type::Value(FieldKind::Edge), 3) }(Vec<Triple>),
     }
 }
 

@@ -52,10 +52,10 @@ macro_rules! light {
                 /// The color; white is the default.
                 color: Color = $crate::scene::format::color::ColorModel::WHITE,
                 $(#[$($docs)*])*
-                intensity | power | energy | strength: Intensity = $intensity,
+                intensity | strength ! power ! energy: Intensity = $intensity,
                 $(
                     /// The weakening by distance; `InverseSquare` is the default.
-                    falloff | decay: Choice(super::FalloffModel) = super::FalloffModel::$falloff,
+                    falloff ! decay: Choice(super::FalloffModel) = super::FalloffModel::$falloff,
                 )?
                 $(
                     /// True if geometries cast shadows in this light; the default.
