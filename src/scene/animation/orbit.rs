@@ -7,8 +7,9 @@ use glam::{DMat3, DVec3};
 use crate::{
     scene::format::{
         animation::OrbitModel,
-        camera::{CameraModel, Pose, UP},
-        field::Triple,
+        camera::CameraModel,
+        field::{FieldKind, Slot},
+        thing::Thing,
     },
     tracer::{camera::fit::Turntable, transform::Rotation, vector::unit},
 };
@@ -17,7 +18,7 @@ impl OrbitModel {
     /// Returns the rotation at a frame, or `None` if the cameras are at their start, to the last
     /// bit, as after a full turn.
     fn rotation(&self, number: u32, frames: u32) -> Option<Rotation> {
-        let turns = self.turns.unwrap_or(1.0) * f64::from(number) / f64::from(frames);
+        let turns = self.turns() * f64::from(number) / f64::from(frames);
         let part = turns.fract();
         (part != 0.0).then(|| Rotation::new(self.axis().into(), part * TAU))
     }
@@ -40,21 +41,19 @@ impl OrbitModel {
     /// Turns a camera from its place in the file to its place at a frame. One that frames what it
     /// sees has no place yet.
     pub(super) fn turn(&self, camera: &mut CameraModel, number: u32, frames: u32) {
-        let (Some(rotation), Some(pose)) = (self.rotation(number, frames), camera.pose()) else {
+        let Some(rotation) = self.rotation(number, frames).filter(|_| !camera.is_fit()) else {
             return;
         };
         let around = DVec3::from(self.around);
-        let point = |point: Triple| (around + rotation.of(DVec3::from(point) - around)).into();
-        let direction = |direction: Triple| rotation.of(direction.into()).into();
-        let Pose {
-            eye,
-            gaze,
-            look_at,
-            up,
-        } = pose;
-        *eye = point(*eye);
-        *look_at = look_at.map(point);
-        *gaze = gaze.map(direction);
-        *up = Some(direction(up.unwrap_or(UP)));
+        for field in camera.fields() {
+            if let Some(Slot::Vector(vector)) = camera.slot(field.name) {
+                let place = DVec3::from(*vector);
+                *vector = match field.kind {
+                    FieldKind::Point => around + rotation.of(place - around),
+                    _ => rotation.of(place),
+                }
+                .into();
+            }
+        }
     }
 }

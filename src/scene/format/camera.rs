@@ -89,14 +89,6 @@ impl Sight {
     }
 }
 
-/// The fields of a camera with a place, where they may be written.
-pub(crate) struct Pose<'m> {
-    pub(crate) eye: &'m mut Triple,
-    pub(crate) gaze: &'m mut Option<Triple>,
-    pub(crate) look_at: &'m mut Option<Triple>,
-    pub(crate) up: &'m mut Option<Triple>,
-}
-
 impl CameraModel {
     /// The camera. A [`FitModel`] has no place before it frames anything:
     /// [`FitModel::explicit`].
@@ -132,33 +124,6 @@ impl CameraModel {
                 }
             }
         }
-    }
-
-    /// The fields of a camera with a place.
-    pub(crate) fn pose(&mut self) -> Option<Pose<'_>> {
-        let (eye, gaze, look_at, up) = match self {
-            Self::Perspective(PerspectiveModel {
-                eye,
-                gaze,
-                look_at,
-                up,
-                ..
-            })
-            | Self::Orthographic(OrthographicModel {
-                eye,
-                gaze,
-                look_at,
-                up,
-                ..
-            }) => (eye, gaze, look_at, up),
-            Self::Fit(_) => return None,
-        };
-        Some(Pose {
-            eye,
-            gaze,
-            look_at,
-            up,
-        })
     }
 
     /// Returns the projection of a camera that frames what it sees, if the scene gives it.

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use crate::{
     scene::{
         format::{
-            geometry::{GeometryModel, inside::Inside, table::TableModel},
+            geometry::{
+                GeometryModel, inside::Inside, placement::Placement, solid::combined,
+                table::TableModel,
+            },
             material::{MaterialModel, Surface},
         },
         problem::Problem,
@@ -24,7 +27,8 @@ pub(super) trait GeometryKind {
     /// Returns the shape; `None` for a table, a part, a group, and a mesh whose file is not read.
     #[inline]
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-        None
+        let inside = self.inside().into_iter().flatten();
+        Some(combined(self.operation()?, inside, &Placement::default()))
     }
 
     /// Returns the faults between fields that are valid alone.

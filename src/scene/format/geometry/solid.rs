@@ -133,14 +133,6 @@ geometry! {
 macro_rules! equals {
     ($model:ident, $operation:ident) => {
         impl GeometryKind for $model {
-            fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-                Some(combined(
-                    Operation::$operation,
-                    self.inside().into_iter().flatten(),
-                    &Placement::default(),
-                ))
-            }
-
             fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
                 [Some(Inside::list("of", &self.of)), None]
             }
@@ -160,14 +152,6 @@ equals!(UnionModel, Union);
 equals!(IntersectionModel, Intersection);
 
 impl GeometryKind for DifferenceModel {
-    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-        Some(combined(
-            Operation::Difference,
-            self.inside().into_iter().flatten(),
-            &Placement::default(),
-        ))
-    }
-
     fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
         let minus = Inside::list("minus", &self.minus);
         [Some(Inside::single("of", &self.of)), Some(minus)]
@@ -185,7 +169,7 @@ impl GeometryKind for DifferenceModel {
 /// Returns the shape of a solid combined from those inside of it, each of which is mapped by its own
 /// transform and by those around it.
 #[inline(never)]
-fn combined<'a>(
+pub(super) fn combined<'a>(
     operation: Operation,
     inside: impl IntoIterator<Item = Inside<'a>>,
     around: &Placement,
