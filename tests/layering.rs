@@ -523,7 +523,7 @@ const SHARED_NAMES: &str = "\
     Answer Args Around Array Arriving At Block Blocks Bounds Builder Bytes Cell Change Checked \
     Column Columns Common Cone Content Copies Corners Counts Crossing Crossings Cut Draw Drawing \
     Drawn Element Elements Encoding End Entry Excerpt Extent Eye Failure Farthest Fault Fields \
-    Fill FirstOfEach Form Format Frame Frames Grid Header Hits Index Instances Interpolation \
+    Fill FirstOfEach Form Format Frame Frames Grid Header Hits Index Interpolation \
     Item Items Job Kinds Known Lanes Last Layer Layout Leaf Leaves Level Levels Light LightTerms \
     Line Lines List Lists Mark Materials Name Names Near Needs Node Number One Opening Order \
     OutputFormat Own Palette Parts Passage Path Pending Pixel Placed Places Plain Plan Plane \

@@ -11,7 +11,7 @@ use crate::{
     render::visibility::{Seen, Tally},
     scene::{
         locate::range_of,
-        origin::{InstancesOf, Origin, PartGeometries, TableRows},
+        origin::{Container, Origin},
         part::PartPlace,
         scales::ColorValues,
     },
@@ -153,19 +153,9 @@ impl Scene {
         self.world.hit(&ray).map(|(index, _)| index)
     }
 
-    /// Returns the tables of the scene, in scene order.
-    pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
-        self.origins.tables()
-    }
-
-    /// Returns the parts that the scene names, in scene order.
-    pub fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
-        self.origins.parts()
-    }
-
-    /// Returns the geometries of the scene that are copies of another, in scene order.
-    pub fn instances(&self) -> impl Iterator<Item = InstancesOf<'_>> {
-        self.origins.instances()
+    /// Returns the tables, parts and copies of the scene, in scene order.
+    pub fn containers(&self) -> impl Iterator<Item = Container<'_>> {
+        self.origins.containers().into_iter()
     }
 
     /// Returns the geometries hit by the rays through the pixel centers, in the order of the world.

@@ -6,21 +6,20 @@ use crate::{
     data::table::Table,
     parallel::Cancel,
     scene::{
+        copies::Prototypes,
         format::{
             color::ColorModel,
             geometry::{
-                GeometryModel, GroupModel, InstancesModel, ordinal::Ordinal, placement::Placement,
-                walk::Leaf,
+                GeometryModel, GroupModel, kind::CopiesModel, ordinal::Ordinal,
+                placement::Placement, walk::Leaf,
             },
             light::LightModel,
             lighting::LightingModel,
             material::Materials,
             scene::Model,
         },
-        instances::{self, Instances, Prototypes},
         origin::Origin,
         origins::{Origins, SpanContent},
-        reread::RowsOf,
         scales::{Scale, Scales},
         tables::{Content, Tables},
     },
@@ -139,7 +138,7 @@ pub(crate) fn add_copies(
     tables: &mut Tables,
     admits: impl FnMut(Ordinal, usize) -> bool,
 ) {
-    let all = model.instances().collect();
+    let all = model.copies().collect();
     copy(model, tables, all, admits);
 }
 
@@ -154,9 +153,9 @@ pub(crate) fn renew(
     changed: &[Ordinal],
 ) -> Result<(), GeometryError> {
     let placed = changed.iter().try_for_each(|at| tables.renew(*at, model));
-    let copies = changed.iter().filter_map(|at| match model.geometry(*at)? {
-        GeometryModel::Instances(named) => tables.instances(*at).map(|_| (*at, &**named)),
-        _ => None,
+    let copies = changed.iter().filter_map(|at| {
+        let named = model.geometry(*at)?.copies()?;
+        tables.copies(*at).map(|_| (*at, named))
     });
     copy(model, tables, copies.collect(), |_, _| true);
     placed
@@ -201,7 +200,7 @@ pub(crate) fn replace(
 fn copy(
     model: &Model,
     tables: &mut Tables,
-    lists: Vec<(Ordinal, &InstancesModel)>,
+    lists: Vec<(Ordinal, CopiesModel)>,
     mut admits: impl FnMut(Ordinal, usize) -> bool,
 ) {
     if lists.is_empty() {
@@ -211,7 +210,7 @@ fn copy(
     let mut built: HashMap<Ordinal, Vec<Geometry>> = HashMap::new();
     for (at, named) in lists {
         // What is invalid has its own diagnostics.
-        let Ok(of) = prototypes.of(&named.of, at) else {
+        let Ok(of) = prototypes.of(named.of, at) else {
             continue;
         };
         let prototype = built
@@ -221,12 +220,7 @@ fn copy(
         if !admits(at, inside.fold(1, usize::saturating_add)) {
             continue;
         }
-        let known = tables.instances(at).filter(|_| named.file.is_some());
-        let rows = known.map_or_else(
-            || instances::written(named),
-            |known| Arc::clone(known.rows()),
-        );
-        tables.add_instances(at, Instances::new(named, prototype, rows));
+        tables.add_copies(at, named, prototype);
     }
 }
 
@@ -283,17 +277,13 @@ impl Builder<'_> {
             if let Some(scale) = scale {
                 self.scales.add(origin.clone(), first, scale);
             }
+            if let Some(part) = content.part() {
+                self.scales.add_part(origin, first, &part.places);
+            }
             self.ids += content.count();
         }
         let content = match (found, model) {
-            (Some(Content::Table(table, file)), _) => SpanContent::Table(RowsOf::new(&table, file)),
-            (Some(Content::Part { part, .. }), _) => {
-                self.scales.add_part(origin, first, &part.places);
-                SpanContent::Part(Arc::clone(&part.places))
-            }
-            (Some(Content::Instances(instances, table)), _) => {
-                SpanContent::Instances(Arc::clone(&instances.of), table)
-            }
+            (Some(content), _) => content.into_span(),
             (None, GeometryModel::Group(group)) => {
                 SpanContent::Group(self.group(group, at, origin, placement)?)
             }
@@ -374,30 +364,23 @@ fn add(
     all: &mut Vec<Geometry>,
     cancel: Option<&Cancel>,
 ) -> Result<Option<Scale>, GeometryError> {
-    match content {
-        Content::Table(table, _) => {
-            let material = model.surface().material;
-            let material = material.map(|material| materials.of_model(material));
-            let material = material.transpose()?;
-            let mut scale = Scale::new(model, table);
-            rows(
-                table,
-                material.as_ref(),
-                scale.as_mut(),
-                placement,
-                all,
-                cancel,
-            )?;
-            return Ok(scale);
-        }
-        Content::Part { part, .. } => all.extend_from_slice(&part.geometries),
-        Content::Instances(instances, _) => {
-            if let Some(copies) = instances.placed(placement) {
-                all.push(copies?);
-            }
-        }
-    }
-    Ok(None)
+    let Some(table) = content.table() else {
+        all.extend_from_slice(&content.geometries(placement)?);
+        return Ok(None);
+    };
+    let material = model.surface().material;
+    let material = material.map(|material| materials.of_model(material));
+    let material = material.transpose()?;
+    let mut scale = Scale::new(model, table);
+    rows(
+        table,
+        material.as_ref(),
+        scale.as_mut(),
+        placement,
+        all,
+        cancel,
+    )?;
+    Ok(scale)
 }
 
 /// Builds the background of a scene and its lighting, if it is lit: its own lights, then those of its

@@ -128,7 +128,7 @@ impl CheckedModel {
         let (mut has_files, mut has_copies) = (false, false);
         for (_, geometry) in model.walk() {
             has_files |= geometry.file().is_some();
-            has_copies |= matches!(geometry, GeometryModel::Instances(_));
+            has_copies |= geometry.copies().is_some();
         }
         let is_wanted = is_known && has_files;
         let cache = LazyCell::new(|| PartCache::of(options));

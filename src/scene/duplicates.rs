@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     scene::format::{
-        geometry::{GeometryModel, ordinal::Ordinal, placement::Placement},
+        geometry::{GeometryModel, PartModel, ordinal::Ordinal, placement::Placement},
         scene::Model,
     },
     tracer::error::GeometryError,
@@ -123,9 +123,7 @@ fn hash(geometry: &GeometryModel, placement: &Placement) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
     // A part that brings its lights does more than a copy of it.
-    let has_lights = geometry
-        .part()
-        .is_some_and(|part| part.lights == Some(true));
+    let has_lights = geometry.part().is_some_and(PartModel::lights);
     let is_alike = geometry.table().is_none() && !has_lights;
     let (mut sum, mut finite) = (KEY, is_alike);
     let mut add = |bits: u64| {
@@ -183,7 +181,7 @@ mod tests {
     use super::*;
     use crate::scene::format::{
         color::ColorModel,
-        geometry::{part::PartModel, plane::PlaneModel, sphere::SphereModel},
+        geometry::{plane::PlaneModel, sphere::SphereModel},
     };
 
     fn sphere(center: [f64; 3], radius: f64, grey: u8) -> GeometryModel {

@@ -91,7 +91,7 @@ impl Movers {
             Mover::Together(..) => None,
         });
         let alone: Vec<_> = alone.collect();
-        let has_copies = alone.iter().any(|at| tables.instances(*at).is_some());
+        let has_copies = alone.iter().any(|at| tables.copies(*at).is_some());
         Self {
             renewed: if has_copies { moved.into() } else { alone },
             all: movers,
@@ -145,7 +145,7 @@ fn is_rigid(leaf: &Leaf, changed: &[Ordinal], tables: &Tables) -> bool {
         return true;
     }
     if tables
-        .instances(leaf.at)
+        .copies(leaf.at)
         .is_some_and(|copies| !copies.are_few())
     {
         return false;

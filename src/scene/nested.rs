@@ -32,9 +32,9 @@ use crate::{
 /// The maximum number of parts inside one another.
 const DEEPEST: usize = 32;
 
-/// The maximum number of geometries that are copies, because a part is named again or `Instances` name
-/// them, in all files together. `Instances` count once, with what they are copies of, since their
-/// copies share it.
+/// The maximum number of geometries that are copies, because a part is named again or a list of copies
+/// names them, in all files together. A list counts once, with what it is copies of, since all copies
+/// share it.
 const MOST_COPIES: usize = 1 << 22;
 
 /// The maximum number of such lights.
@@ -48,7 +48,7 @@ pub(super) fn read(
     options: &ReadOptions,
     cache: &PartCache,
 ) -> (Needs, Vec<Problem>) {
-    let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
+    let rows: usize = tables.contents().map(|(_, content)| content.count()).sum();
     let mut reader = Reader {
         folder,
         options,
@@ -68,7 +68,7 @@ pub(super) fn read(
         let is_placed = !model.transforms(at).is_empty();
         match reader.part(named, &place, is_placed) {
             Ok(part) => {
-                let lights = named.lights == Some(true);
+                let lights = named.lights();
                 if lights && part.lights.is_none() {
                     let file = quote(&named.file);
                     let message = format!("this has no effect: {file} has no `lights`");
@@ -180,7 +180,7 @@ impl Reader<'_> {
                 Err(too_deep(place))
             }
             (None, Some(part)) => {
-                let shines = named.lights == Some(true);
+                let shines = named.lights();
                 let copy = is_copy.then_some(is_placed);
                 self.count(part, shines, copy, place)?;
                 Ok(Arc::clone(part))

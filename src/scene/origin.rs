@@ -111,46 +111,33 @@ impl fmt::Display for Origin {
     }
 }
 
-/// A table of a scene.
+/// A geometry of a scene that stands for several of the world: a table, a part or copies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct TableRows<'a> {
-    /// The place of the geometry that names it in the scene.
-    pub origin: Origin,
-    /// The name in the scene.
-    pub name: Option<&'a str>,
-    /// The indices of its rows in the world.
-    pub indices: Range<usize>,
-    /// The names of its columns, also of those that are not used.
-    pub columns: &'a [String],
-}
-
-/// A part of a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct PartGeometries<'a> {
-    /// The place of the part in the scene.
-    pub origin: Origin,
-    /// The name in the scene.
-    pub name: Option<&'a str>,
-    /// The path of the file from the current folder.
-    pub file: &'a str,
-    /// The indices of its geometries in the world.
-    pub indices: Range<usize>,
-}
-
-/// A geometry of a scene that is copies of another.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct InstancesOf<'a> {
+pub struct Container<'a> {
     /// The place in the scene.
     pub origin: Origin,
     /// The name in the scene.
     pub name: Option<&'a str>,
-    /// The name of the geometry that each is a copy of.
-    pub of: &'a str,
-    /// The names of the columns if the copies are the rows of a table, also of those that are not used.
-    pub columns: Option<&'a [String]>,
-    /// The indices of the copies in the world.
+    /// The indices of its geometries in the world.
     pub indices: Range<usize>,
+    /// What it holds.
+    pub content: Contained<'a>,
+}
+
+/// What a [`Container`] holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contained<'a> {
+    /// The rows of a table with these columns, also those that are not used.
+    Rows(&'a [String]),
+    /// The geometries of a part, whose file has this path from the current folder.
+    Part(&'a str),
+    /// Copies of another geometry.
+    Copies {
+        /// The name of the geometry.
+        of: &'a str,
+        /// The names of the columns if the copies are the rows of a table, also of those that are not
+        /// used.
+        columns: Option<&'a [String]>,
+    },
 }

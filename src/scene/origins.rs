@@ -4,7 +4,7 @@ use std::{iter, ops::Range, sync::Arc};
 
 use crate::scene::{
     format::field::Name,
-    origin::{InstancesOf, Origin, PartGeometries, TableRows},
+    origin::{Contained, Container, Origin},
     part::Places,
     reread::RowsOf,
 };
@@ -37,12 +37,20 @@ pub(crate) enum SpanContent {
     /// The geometries of a group, with their places in it.
     Group(Origins),
     /// Copies of the geometry with this name, and their table.
-    Instances(Arc<str>, Option<RowsOf>),
+    Copies(Arc<str>, Option<RowsOf>),
 }
 
 impl Span {
     fn indices(&self) -> Range<usize> {
         self.first..self.first + self.count
+    }
+
+    /// The list of the group, if it is one.
+    const fn group(&self) -> Option<&Origins> {
+        match &self.content {
+            SpanContent::Group(list) => Some(list),
+            SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Copies(..) => None,
+        }
     }
 }
 
@@ -52,14 +60,6 @@ struct ListedGeometry<'a> {
     geometry: usize,
     /// The span that it is, and the index in it.
     span: Option<(&'a Span, usize)>,
-}
-
-/// A span of a scene or of one of its groups.
-struct Placed<'a> {
-    origin: Origin,
-    name: Option<&'a str>,
-    indices: Range<usize>,
-    content: &'a SpanContent,
 }
 
 impl Origins {
@@ -80,80 +80,43 @@ impl Origins {
         });
     }
 
-    /// Each table.
-    pub(crate) fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
-        self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Table(rows) = placed.content else {
-                return None;
-            };
-            Some(TableRows {
-                origin: placed.origin,
-                name: placed.name,
-                indices: placed.indices,
-                columns: &rows.columns,
-            })
-        })
-    }
-
-    /// Each geometry that is copies of another.
-    pub(crate) fn instances(&self) -> impl Iterator<Item = InstancesOf<'_>> {
-        self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Instances(of, rows) = placed.content else {
-                return None;
-            };
-            Some(InstancesOf {
-                origin: placed.origin,
-                name: placed.name,
-                of,
-                columns: rows.as_ref().map(|rows| &*rows.columns),
-                indices: placed.indices,
-            })
-        })
-    }
-
-    /// Each part.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
-        self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Part(part) = placed.content else {
-                return None;
-            };
-            Some(PartGeometries {
-                origin: placed.origin,
-                name: placed.name,
-                file: &part.file,
-                indices: placed.indices,
-            })
-        })
-    }
-
-    /// Returns all tables, parts and groups, also those in groups.
-    fn contents(&self) -> Vec<Placed<'_>> {
+    /// Returns all tables, parts and copies, also those in groups.
+    pub(crate) fn containers(&self) -> Vec<Container<'_>> {
         let mut found = Vec::new();
-        self.add_contents(None, 0, &mut found);
+        self.add_containers(None, 0, &mut found);
         found
     }
 
-    /// Adds all tables, parts and groups of the list of a group, or of the scene, whose first
-    /// geometry has an index in the world.
-    fn add_contents<'a>(
+    /// Adds all tables, parts and copies of the list of a group, or of the scene, whose first geometry
+    /// has an index in the world.
+    fn add_containers<'a>(
         &'a self,
         group: Option<&Origin>,
         first: usize,
-        found: &mut Vec<Placed<'a>>,
+        found: &mut Vec<Container<'a>>,
     ) {
         for span in &self.spans {
             let in_scene = || Origin::of(span.geometry);
             let origin = group.map_or_else(in_scene, |group| group.inside(span.geometry));
             let start = first + span.first;
-            found.push(Placed {
-                origin: origin.clone(),
+            let content = match &span.content {
+                SpanContent::Group(list) => {
+                    list.add_containers(Some(&origin), start, found);
+                    continue;
+                }
+                SpanContent::Table(rows) => Contained::Rows(&rows.columns),
+                SpanContent::Part(part) => Contained::Part(&part.file),
+                SpanContent::Copies(of, rows) => Contained::Copies {
+                    of,
+                    columns: rows.as_ref().map(|rows| &*rows.columns),
+                },
+            };
+            found.push(Container {
+                origin,
                 name: self.names.of(span.geometry),
                 indices: start..start + span.count,
-                content: &span.content,
+                content,
             });
-            if let SpanContent::Group(list) = &span.content {
-                list.add_contents(Some(&origin), start, found);
-            }
         }
     }
 
@@ -167,7 +130,7 @@ impl Origins {
     pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
         self.spans.iter().filter_map(|span| {
             let (kind, list) = match &span.content {
-                SpanContent::Table(_) | SpanContent::Instances(..) => return None,
+                SpanContent::Table(_) | SpanContent::Copies(..) => return None,
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
@@ -196,12 +159,9 @@ impl Origins {
     /// Returns the geometries that a geometry of the world comes from: one of this list, and if that
     /// is a group one of its list, and so on.
     fn way(&self, index: usize) -> impl Iterator<Item = ListedGeometry<'_>> {
-        iter::successors(Some(self.find(index)), |found| match found.span {
-            Some((span, index)) => match &span.content {
-                SpanContent::Group(list) => Some(list.find(index)),
-                SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Instances(..) => None,
-            },
-            None => None,
+        iter::successors(Some(self.find(index)), |found| {
+            let (span, index) = found.span?;
+            Some(span.group()?.find(index))
         })
     }
 
@@ -217,7 +177,7 @@ impl Origins {
         if let Some((span, index)) = last.and_then(|found| found.span) {
             match &span.content {
                 SpanContent::Table(rows) => origin.row = Some(rows.row_in_file(index)),
-                SpanContent::Instances(..) => origin.instance = Some(index),
+                SpanContent::Copies(..) => origin.instance = Some(index),
                 SpanContent::Part(_) | SpanContent::Group(_) => {}
             }
         }
@@ -228,9 +188,9 @@ impl Origins {
     pub(crate) fn row_of(&self, index: usize) -> Option<(&RowsOf, usize)> {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
-            SpanContent::Table(rows) | SpanContent::Instances(_, Some(rows)) => Some((rows, index)),
+            SpanContent::Table(rows) | SpanContent::Copies(_, Some(rows)) => Some((rows, index)),
             SpanContent::Part(part) => part.origins.row_of(index),
-            SpanContent::Group(_) | SpanContent::Instances(_, None) => None,
+            SpanContent::Group(_) | SpanContent::Copies(_, None) => None,
         }
     }
 
@@ -250,7 +210,7 @@ impl Origins {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
             SpanContent::Part(part) => Some((part, index)),
-            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Instances(..) => None,
+            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Copies(..) => None,
         }
     }
 
@@ -268,15 +228,11 @@ impl Origins {
         let (mut list, mut first) = (self, 0);
         let mut geometry = origin.geometry;
         for inner in &origin.in_groups {
-            let Some(Span {
-                first: start,
-                content: SpanContent::Group(group),
-                ..
-            }) = list.span(geometry)
-            else {
+            let span = list.span(geometry);
+            let Some((span, group)) = span.and_then(|span| Some((span, span.group()?))) else {
                 return 0..0;
             };
-            (list, first, geometry) = (group, first + start, *inner);
+            (list, first, geometry) = (group, first + span.first, *inner);
         }
         let indices = list.indices_in_list(geometry);
         let indices = first + indices.start..first + indices.end;
@@ -312,13 +268,7 @@ impl Origins {
         let mut names = Vec::new();
         for geometry in iter::once(&origin.geometry).chain(&origin.in_groups) {
             names.push(list.and_then(|list| list.names.of(*geometry)));
-            list = match list.and_then(|list| list.span(*geometry)) {
-                Some(Span {
-                    content: SpanContent::Group(group),
-                    ..
-                }) => Some(group),
-                _ => None,
-            };
+            list = list.and_then(|list| list.span(*geometry)?.group());
         }
         let name = names.pop().flatten();
         (name, names.into_iter().flatten().collect())
@@ -392,7 +342,7 @@ mod tests {
             "geometries[6]",
         ];
         assert_eq!(found, expected);
-        let tables = origins.tables();
+        let tables = origins.containers().into_iter();
         let tables = tables.map(|table| (table.origin.geometry, table.indices));
         assert!(tables.eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
         let indices = (0..7).map(|index| origins.indices(&geometry(index, &[])));
@@ -439,7 +389,9 @@ mod tests {
         assert_eq!(found.collect::<Vec<_>>(), expected);
         let indices = [1, 2].map(|index| origins.indices(&geometry(index, &[])));
         assert_eq!(indices, [1..4, 4..5]);
-        assert_eq!((origins.tables().count(), origins.parts().count()), (0, 1));
+        let containers = origins.containers();
+        let contents: Vec<_> = containers.iter().map(|one| one.content).collect();
+        assert_eq!(contents, [Contained::Part("tree.ron")]);
     }
 
     #[test]
@@ -513,7 +465,7 @@ mod tests {
         assert_eq!(origins.indices(&geometry(1, &[])), 1..5);
         assert_eq!(origins.indices(&geometry(1, &[2])), 4..4);
         assert_eq!(origins.indices(&geometry(1, &[3])), 4..5);
-        let [table] = &origins.tables().collect::<Vec<_>>()[..] else {
+        let [table] = &origins.containers()[..] else {
             panic!("there is one");
         };
         let found = (table.origin.to_string(), table.name, table.indices.clone());

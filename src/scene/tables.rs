@@ -1,6 +1,6 @@
 //! Opens, reads and checks the tables that a scene names.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
 
 use crate::{
     data::{
@@ -9,24 +9,30 @@ use crate::{
     },
     diagnostic::Code,
     scene::{
+        copies::{self, PlacedCopies},
         files::{self, Folder},
         foreign::Foreign,
         format::{
             color::ColorModel,
-            geometry::{GeometryModel, ordinal::Ordinal, table::TableModel, walk::Leaf},
+            geometry::{
+                GeometryModel, kind::CopiesModel, ordinal::Ordinal, placement::Placement,
+                table::TableModel, walk::Leaf,
+            },
             material::MaterialsModel,
             scene::Model,
             transform::TransformModel,
         },
         in_file,
-        instances::Instances,
         options::ReadOptions,
+        origins::SpanContent,
         part::{Part, PartLight},
         place::Place,
         problem::Problem,
         reread::{RowsOf, TableFile},
     },
-    tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
+    tracer::{
+        color::Color, error::GeometryError, geometry::Geometry, shape::Shape, transform::Transform,
+    },
 };
 
 /// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
@@ -52,31 +58,58 @@ pub(crate) enum Content {
         lights: bool,
     },
     /// Copies, and the table whose rows place them, if there is one.
-    Instances(Box<Instances>, Option<RowsOf>),
+    Copies(Box<PlacedCopies>, Option<RowsOf>),
 }
 
 impl Content {
     /// The table, if it is one.
-    fn table(&self) -> Option<&Table> {
+    pub(crate) fn table(&self) -> Option<&Table> {
         match self {
             Self::Table(table, _) => Some(table),
-            Self::Part { .. } | Self::Instances(..) => None,
+            Self::Part { .. } | Self::Copies(..) => None,
         }
     }
 
     /// The part, if it is one.
     pub(crate) fn part(&self) -> Option<&Part> {
         match self {
-            Self::Table(..) | Self::Instances(..) => None,
+            Self::Table(..) | Self::Copies(..) => None,
             Self::Part { part, .. } => Some(part),
         }
     }
 
     /// The copies, if it is some.
-    const fn instances(&self) -> Option<&Instances> {
+    const fn copies(&self) -> Option<&PlacedCopies> {
         match self {
-            Self::Instances(instances, _) => Some(instances),
+            Self::Copies(copies, _) => Some(copies),
             Self::Table(..) | Self::Part { .. } => None,
+        }
+    }
+
+    /// Returns the geometries in the scene; none for a table, whose rows are built one by one.
+    ///
+    /// # Errors
+    ///
+    /// A product of transforms that cannot be inverted.
+    pub(crate) fn geometries(
+        &self,
+        placement: &Placement,
+    ) -> Result<Cow<'_, [Geometry]>, GeometryError> {
+        Ok(match self {
+            Self::Table(..) => Cow::default(),
+            Self::Part { part, .. } => Cow::Borrowed(&part.geometries),
+            Self::Copies(copies, _) => {
+                Cow::Owned(Vec::from_iter(copies.placed(placement).transpose()?))
+            }
+        })
+    }
+
+    /// Returns what the geometries of the world come from.
+    pub(crate) fn into_span(self) -> SpanContent {
+        match self {
+            Self::Table(table, file) => SpanContent::Table(RowsOf::new(&table, file)),
+            Self::Part { part, .. } => SpanContent::Part(Arc::clone(&part.places)),
+            Self::Copies(copies, table) => SpanContent::Copies(copies.of, table),
         }
     }
 
@@ -85,7 +118,7 @@ impl Content {
         match self {
             Self::Table(table, _) => table.rows(),
             Self::Part { part, .. } => part.geometries.len(),
-            Self::Instances(instances, _) => usize::from(instances.count() > 0),
+            Self::Copies(copies, _) => usize::from(copies.count() > 0),
         }
     }
 
@@ -123,7 +156,7 @@ impl Content {
                     *transforms = asked;
                 }
             }
-            Self::Instances(..) => {}
+            Self::Copies(..) => {}
         }
         Ok(())
     }
@@ -133,7 +166,7 @@ impl Content {
         match self {
             Self::Table(table, _) => table.rows(),
             Self::Part { part, .. } => part.count(),
-            Self::Instances(instances, _) => instances.count(),
+            Self::Copies(copies, _) => copies.count(),
         }
     }
 }
@@ -187,9 +220,9 @@ pub(crate) fn read(
             problems.push(place.problem(Code::InvalidTable, message));
             break;
         }
-        let content = match geometry {
-            GeometryModel::Instances(_) if !table.bad.is_empty() => continue,
-            GeometryModel::Instances(instances) => {
+        let content = match geometry.copies() {
+            Some(_) if !table.bad.is_empty() => continue,
+            Some(named) => {
                 let around = model.leaf(at).map(|leaf| leaf.placement);
                 let around = around.as_ref().and_then(|all| all.transform().ok()?);
                 let rows = match table.transforms(around.map(|all| &**all)) {
@@ -201,9 +234,9 @@ pub(crate) fn read(
                     }
                 };
                 let table = Some(RowsOf::new(&table, file.map(Arc::new)));
-                Content::Instances(Instances::new(instances, &[], rows).into(), table)
+                Content::Copies(PlacedCopies::new(named, &[], rows).into(), table)
             }
-            _ => Content::Table(Arc::new(table), file.map(Arc::new)),
+            None => Content::Table(Arc::new(table), file.map(Arc::new)),
         };
         tables.insert(at, content);
     }
@@ -282,8 +315,8 @@ impl Tables {
     }
 
     /// The copies that a geometry is, if it names something that can be copied.
-    pub(crate) fn instances(&self, geometry: Ordinal) -> Option<&Instances> {
-        self.0.get(&geometry)?.instances()
+    pub(crate) fn copies(&self, geometry: Ordinal) -> Option<&PlacedCopies> {
+        self.0.get(&geometry)?.copies()
     }
 
     /// Returns true if the table or the part that a geometry names has been read.
@@ -304,25 +337,13 @@ impl Tables {
             .map(|(geometry, content)| (*geometry, content))
     }
 
-    /// Returns all tables with the numbers of the geometries that name them.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (Ordinal, &Table)> {
-        let contents = self.contents();
-        contents.filter_map(|(geometry, content)| Some((geometry, content.table()?)))
-    }
-
-    /// Returns the parts with the numbers of the geometries that name them.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = (Ordinal, &Part)> {
-        let contents = self.contents();
-        contents.filter_map(|(geometry, content)| Some((geometry, content.part()?)))
-    }
-
     /// Returns the lights that each lit part adds to the scene.
     pub(crate) fn lights(&self) -> impl Iterator<Item = &[PartLight]> {
         self.0.values().filter_map(|content| match content {
             Content::Part {
                 part, lights: true, ..
             } => part.lights.as_deref(),
-            Content::Part { .. } | Content::Table(..) | Content::Instances(..) => None,
+            Content::Part { .. } | Content::Table(..) | Content::Copies(..) => None,
         })
     }
 
@@ -347,7 +368,7 @@ impl Tables {
         let mut parts = self.0.iter_mut();
         parts.try_for_each(|(at, content)| match content {
             Content::Part { .. } => content.renew(*at, model).map_err(|error| (*at, error)),
-            Content::Table(..) | Content::Instances(..) => Ok(()),
+            Content::Table(..) | Content::Copies(..) => Ok(()),
         })
     }
 
@@ -357,14 +378,20 @@ impl Tables {
         content.map_or(Ok(()), |content| content.renew(at, model))
     }
 
-    /// Adds the copies that a geometry is, or replaces them. Those of a table keep it.
-    pub(crate) fn add_instances(&mut self, geometry: Ordinal, instances: Instances) {
-        let table = match self.0.remove(&geometry) {
-            Some(Content::Instances(_, table)) => table,
-            _ => None,
+    /// Adds the copies that a geometry is, or replaces them. Those of a table keep it, and their places.
+    pub(crate) fn add_copies(
+        &mut self,
+        geometry: Ordinal,
+        named: CopiesModel,
+        prototype: &[Geometry],
+    ) {
+        let (rows, table) = match self.0.remove(&geometry) {
+            Some(Content::Copies(known, Some(table))) => (Arc::clone(known.rows()), Some(table)),
+            _ => (copies::written(named), None),
         };
-        let content = Content::Instances(instances.into(), table);
-        self.0.insert(geometry, content);
+        let copies = PlacedCopies::new(named, prototype, rows);
+        self.0
+            .insert(geometry, Content::Copies(copies.into(), table));
     }
 
     /// Returns true if there are no tables, no parts and no copies.
@@ -402,24 +429,21 @@ impl Tables {
                 let mut geometries = read.geometries.iter();
                 geometries.any(|geometry| is_it(geometry.shape().clone()))
             }
-            Some(Content::Instances(instances, ..)) => instances.each().any(is_it),
+            Some(Content::Copies(copies, _)) => copies.each().any(is_it),
         }
     }
 
     fn any_of_file(&self, leaf: &Leaf, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
-        if let Some(part) = self.part(leaf.at) {
-            let mut geometries = part.geometries.iter();
-            return geometries.any(|geometry| is_it(geometry.shape()));
-        }
-        if let Some(instances) = self.instances(leaf.at) {
-            let all = instances.placed(&leaf.placement);
-            return all.is_some_and(|all| all.is_ok_and(|all| is_it(all.shape())));
-        }
-        let mut is_row = |row: Row| {
-            let shape = row.shape.and_then(|shape| leaf.placement.place(shape));
-            shape.is_ok_and(|shape| is_it(&shape))
+        let Some(content) = self.0.get(&leaf.at) else {
+            return false;
         };
-        self.of(leaf.at)
-            .is_some_and(|table| table.any_row(&mut is_row))
+        if let Some(table) = content.table() {
+            return table.any_row(|row: Row| {
+                let shape = row.shape.and_then(|shape| leaf.placement.place(shape));
+                shape.is_ok_and(|shape| is_it(&shape))
+            });
+        }
+        let all = content.geometries(&leaf.placement);
+        all.is_ok_and(|all| all.iter().any(|geometry| is_it(geometry.shape())))
     }
 }

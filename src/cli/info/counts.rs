@@ -3,7 +3,11 @@
 use std::fmt;
 
 use serde::{Serialize, Serializer};
-use strahl::{Scene, Shape, scene::Origin, shape::Mesh};
+use strahl::{
+    Scene, Shape,
+    scene::{Contained, Origin},
+    shape::Mesh,
+};
 
 use crate::cli::report::write_names;
 
@@ -19,7 +23,7 @@ pub(super) struct Counts<'a> {
     mesh_sizes: Vec<MeshTerms<'a>>,
     /// The lists of copies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    instances: Vec<InstancesTerms<'a>>,
+    instances: Vec<CopiesTerms<'a>>,
     parts: Vec<PartTerms<'a>>,
 }
 
@@ -56,7 +60,7 @@ struct TableTerms<'a> {
 }
 
 #[derive(Serialize)]
-struct InstancesTerms<'a> {
+struct CopiesTerms<'a> {
     #[serde(flatten)]
     place: PlaceTerms<'a>,
     /// The name of the geometry that each is a copy of.
@@ -176,14 +180,37 @@ impl<'a> Counts<'a> {
     /// Creates the counts of a scene whose tables have these names, in order.
     pub(super) fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
         let geometries = scene.world().geometries();
-        let parts = scene.parts().map(|part| PartTerms {
-            place: PlaceTerms::new(&part.origin, part.name),
-            file: part.file,
-            geometries: part.indices.len(),
-            first_id: part.indices.start,
-            color_by: colors_by(scene, &part.origin).collect(),
-        });
-        let parts: Vec<_> = parts.collect();
+        let (mut of_tables, mut instances, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut files = tables.into_iter();
+        for one in scene.containers() {
+            let place = PlaceTerms::new(&one.origin, one.name);
+            let (count, first_id) = (one.indices.len(), one.indices.start);
+            let mut colors_by = colors_by(scene, &one.origin);
+            match one.content {
+                Contained::Rows(columns) => of_tables.extend(files.next().map(|file| TableTerms {
+                    place,
+                    file,
+                    rows: count,
+                    first_id,
+                    columns,
+                    color_by: colors_by.next(),
+                })),
+                Contained::Part(file) => parts.push(PartTerms {
+                    place,
+                    file,
+                    geometries: count,
+                    first_id,
+                    color_by: colors_by.collect(),
+                }),
+                Contained::Copies { of, columns } => instances.push(CopiesTerms {
+                    place,
+                    of,
+                    copies: count,
+                    first_id,
+                    columns,
+                }),
+            }
+        }
         let is_listed = |index: usize| {
             let before = parts.partition_point(|part| part.first_id <= index);
             let part = before.checked_sub(1).and_then(|last| parts.get(last));
@@ -214,29 +241,11 @@ impl<'a> Counts<'a> {
                 *count += 1;
             }
         }
-        let instances = scene.instances().map(|copies| InstancesTerms {
-            place: PlaceTerms::new(&copies.origin, copies.name),
-            of: copies.of,
-            copies: copies.indices.len(),
-            first_id: copies.indices.start,
-            columns: copies.columns,
-        });
-        let tables = scene.tables().zip(tables);
-        let tables: Vec<_> = tables
-            .map(|(table, file)| TableTerms {
-                place: PlaceTerms::new(&table.origin, table.name),
-                file,
-                rows: table.indices.len(),
-                first_id: table.indices.start,
-                columns: table.columns,
-                color_by: colors_by(scene, &table.origin).next(),
-            })
-            .collect();
         Self {
             total: scene.world().ids(),
-            instances: instances.collect(),
+            tables: of_tables,
+            instances,
             kinds: Kinds(kinds),
-            tables,
             mesh_sizes,
             parts,
         }

@@ -9,6 +9,7 @@ use super::{
 use crate::{
     diagnostic::path::Path,
     scene::{
+        copies::Prototypes,
         format::{
             animation::{AnimationModel, Track},
             camera::CameraModel,
@@ -17,7 +18,6 @@ use crate::{
             geometry::{GeometryModel, ordinal::Ordinal, walk::Leaf},
             scene::Model,
         },
-        instances::Prototypes,
     },
     tracer::camera::fit::Turntable,
 };
@@ -313,13 +313,13 @@ fn leaves(model: &Model, changed: Vec<Ordinal>) -> Vec<Ordinal> {
 
 /// Returns the copies in a scene, and what each is a copy of, with all that is inside of that.
 fn copies(model: &Model) -> Vec<(Ordinal, RangeInclusive<Ordinal>)> {
-    let lists: Vec<_> = model.instances().collect();
+    let lists: Vec<_> = model.copies().collect();
     if lists.is_empty() {
         return Vec::new();
     }
     let mut prototypes = Prototypes::new(model);
     let copies = lists.into_iter().filter_map(|(at, named)| {
-        let of = prototypes.of(&named.of, at).ok()?;
+        let of = prototypes.of(named.of, at).ok()?;
         Some((at, span(of, model.geometry(of)?)))
     });
     copies.collect()

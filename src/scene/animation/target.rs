@@ -305,9 +305,7 @@ impl<'m> Owner<'m> {
     fn transform(&self) -> Option<&'m TransformModel> {
         match self.geometry()? {
             (geometry, [step]) if step.name() == Some("transform") => geometry.transform(),
-            (GeometryModel::Instances(instances), [_, Step::Index(index)]) => {
-                instances.transforms.as_ref()?.get(*index)
-            }
+            (geometry, [_, Step::Index(index)]) => geometry.copies()?.transforms?.get(*index),
             _ => None,
         }
     }

@@ -24,7 +24,7 @@ pub struct Dependency<'a> {
 
 impl Document {
     /// Returns the tables of geometries that the scene names, as written: those of
-    /// [`Scene::tables`](crate::Scene::tables).
+    /// [`Scene::containers`](crate::Scene::containers) that hold rows.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
         let tables = self.tables().filter(|table| table.kind != RowKind::Copy);
         tables.map(|table| table.file)

@@ -10,13 +10,15 @@ use crate::{
             geometry::{GeometryModel, walk::Leaf},
             scene::Model,
         },
-        part::Part,
         problem::{Focus, Problem},
         tables::Tables,
         validate::{Found, camera::Eye},
     },
     text::nearest::quote,
-    tracer::shape::{Membership, Shape},
+    tracer::{
+        geometry::Geometry,
+        shape::{Membership, Shape},
+    },
 };
 
 impl Eye<'_> {
@@ -73,16 +75,11 @@ impl Found {
             }
             Some(Membership::EdgeOn(what)) => self.eye_on_plane(eye, place(), what),
             None => {
-                if let Some(part) = tables.part(leaf.at) {
-                    self.eye_and_part(eye, part, &place(), &mut hides);
-                }
-                let copies = tables.instances(leaf.at);
-                if let Some(Ok(copies)) = copies.and_then(|all| all.placed(&leaf.placement))
-                    && !(is_lit && copies.has_glass())
-                    && let Membership::Inside(center, radius) = copies.shape().membership(eye.point)
-                    && hides(center, radius)
+                if let Some(content) = tables.get(leaf.at)
+                    && let Ok(all) = content.geometries(&leaf.placement)
                 {
-                    self.eye_inside(eye, place(), "one of these copies", "copy");
+                    let are_copies = leaf.geometry.copies().is_some();
+                    self.eye_among(eye, &all, are_copies, &place(), &mut hides);
                 }
                 let Ok(transform) = leaf.placement.transform() else {
                     return;
@@ -112,16 +109,17 @@ impl Found {
         }
     }
 
-    /// Reports the first geometry of a part that blocks an eye, in each way.
-    fn eye_and_part(
+    /// Reports the first geometry of a part, or the copies, that blocks an eye, in each way.
+    fn eye_among(
         &mut self,
         eye: &Eye,
-        part: &Part,
+        geometries: &[Geometry],
+        are_copies: bool,
         place: &Path,
         mut hides: impl FnMut(DVec3, f64) -> bool,
     ) {
         let (mut inside, mut edge_on) = (None, None);
-        for geometry in &part.geometries {
+        for geometry in geometries {
             let is_clear = self.is_lit && geometry.has_glass();
             match geometry.shape().membership(eye.point) {
                 Membership::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
@@ -132,8 +130,11 @@ impl Found {
             }
         }
         if let Some(kind) = inside {
-            let what = format!("a {kind} of this part");
-            self.eye_inside(eye, place.clone(), &what, kind);
+            let (what, kind) = match are_copies {
+                true => ("one of these copies", "copy"),
+                false => (&*format!("a {kind} of this part"), kind),
+            };
+            self.eye_inside(eye, place.clone(), what, kind);
         }
         if let Some(what) = edge_on {
             let what = format!("{what} in this part");

@@ -36,19 +36,11 @@ impl Found {
         if let Some(transform) = geometry.transform() {
             self.transform(transform, &|| path().field("transform"));
         }
-        if geometry
-            .group()
-            .is_some_and(|group| group.geometries.is_empty())
-        {
-            let message = "this has no effect: the group has no geometries";
-            let place = path().field(Model::LONG);
-            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
-            self.push(problem.help("add geometries to the group, or remove it"));
+        if let Some(copies) = geometry.copies() {
+            self.places_of_copies(geometry, copies, at, model);
         }
-        match geometry {
-            GeometryModel::Mesh(mesh) => self.one_mesh(mesh, path),
-            GeometryModel::Instances(instances) => self.instances(instances, at, model),
-            _ => {}
+        if let GeometryModel::Mesh(mesh) = geometry {
+            self.one_mesh(mesh, path);
         }
     }
 

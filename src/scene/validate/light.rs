@@ -8,12 +8,7 @@ use crate::{
     parallel::Cancel,
     scene::{
         animation::frames::Frames,
-        format::{
-            geometry::{GeometryModel, walk::Leaf},
-            light::LightModel,
-            scene::Model,
-            thing::Thing,
-        },
+        format::{geometry::walk::Leaf, light::LightModel, scene::Model, thing::Thing},
         problem::{Focus, Problem},
         tables::Tables,
     },
@@ -62,7 +57,8 @@ impl Found {
         let Some(lights) = &model.lights else { return };
         let is_bright = |light: &Light| light.glow().radiance().max_channel() > 0.0;
         let mut of_parts = tables.lights().flatten();
-        let mut in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
+        let parts = tables.contents().filter_map(|(_, content)| content.part());
+        let mut in_parts = parts.flat_map(|part| &part.geometries);
         if of_parts.any(|(_, light)| is_bright(light))
             || in_parts.any(|geometry| {
                 let mut materials = geometry.materials();
@@ -192,19 +188,10 @@ impl Found {
             }
             None => {
                 let is_it =
-                    |geometry: &Geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass();
-                let mut kind = None;
-                let mut see = |geometry: &Geometry| {
-                    kind = is_it(geometry).then(|| geometry.shape().kind_of_one());
-                    kind.is_some()
-                };
-                if let Some(part) = tables.part(leaf.at) {
-                    part.geometries.iter().any(&mut see);
-                } else if let Some(instances) = tables.instances(leaf.at) {
-                    let all = instances.placed(&leaf.placement).and_then(Result::ok);
-                    all.iter().any(&mut see);
-                }
-                kind
+                    |geometry: &&Geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass();
+                let all = tables.get(leaf.at)?.geometries(&leaf.placement).ok()?;
+                let found = all.iter().find(is_it);
+                found.map(|geometry| geometry.shape().kind_of_one())
             }
         };
         let found = model
@@ -215,10 +202,9 @@ impl Found {
         };
         let message = format!("this light is inside an opaque {kind}, which keeps it in");
         let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
-        let label = match holder.geometry {
-            GeometryModel::Part(_) => format!("the {kind} is in this part"),
-            GeometryModel::Instances(_) => format!("the {kind} is one of these"),
-            _ => format!("the {kind}"),
+        let label = match holder.geometry.words() {
+            Some(words) => format!("the {kind} is {}", words.one),
+            None => format!("the {kind}"),
         };
         self.push(
             problem

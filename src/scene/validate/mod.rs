@@ -2,11 +2,11 @@
 
 mod animation;
 mod camera;
+mod copies;
 mod enclosed;
 mod eye;
 mod field;
 mod geometry;
-mod instances;
 mod inward;
 mod light;
 mod material;
@@ -137,8 +137,8 @@ pub(crate) fn problems(
         }
         found.geometry(geometry, at, model);
         found.surface(geometry, model, &materials, (at, is_part), stand_ins);
+        copies.extend(geometry.copies().map(|named| (at, named)));
         match geometry {
-            GeometryModel::Instances(instances) => copies.push((at, &**instances)),
             GeometryModel::Mesh(mesh) => {
                 if let Some(inward) = &mut inward
                     && is_glass(geometry, model)

@@ -82,7 +82,7 @@ impl Found {
     fn operand(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let what = match (geometry, no_solid(geometry)) {
             (_, Some(what)) => what,
-            (GeometryModel::Group(_), _) => return self.solid(geometry, at, model),
+            _ if geometry.group().is_some() => return self.solid(geometry, at, model),
             (GeometryModel::Cylinder(cylinder), _) => {
                 return self.open(cylinder.capped, "cylinder", at, model);
             }
@@ -107,11 +107,8 @@ impl Found {
 /// Returns the kind of a geometry in words, if it is not a solid, open or closed.
 fn no_solid(geometry: &GeometryModel) -> Option<String> {
     let name = geometry.variant().filter(|name| !SOLIDS.contains(name))?;
-    Some(match geometry {
-        GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table".to_owned(),
-        GeometryModel::Instances(_) => "a list of instances".to_owned(),
-        _ => format!("a {}", name.to_ascii_lowercase()),
-    })
+    let several = geometry.words().map(|words| words.whole.to_owned());
+    Some(several.unwrap_or_else(|| format!("a {}", name.to_ascii_lowercase())))
 }
 
 /// Returns true if each part of a solid has a surface, its own or one of a solid around it. One that is

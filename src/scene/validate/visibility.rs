@@ -89,12 +89,10 @@ impl Found {
         for at in unseen.into_iter().flatten().filter(|at| !is_empty(at)) {
             if let Some(geometry) = model.geometry(at) {
                 let path = model.path_of(at);
-                let what = match (geometry.table(), geometry) {
-                    (Some(table), _) => format!("all {} of this table are", table.kind.names()),
-                    (None, GeometryModel::Part(_)) => "all geometries of this part are".to_owned(),
-                    (None, GeometryModel::Instances(_)) => "all these instances are".to_owned(),
-                    (None, _) => "this geometry is".to_owned(),
-                };
+                let several = geometry
+                    .words()
+                    .map(|words| format!("all {} are", words.all));
+                let what = several.unwrap_or_else(|| "this geometry is".to_owned());
                 let message = format!("{what} outside the view of {cameras}");
                 self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
             }

@@ -1,12 +1,18 @@
 //! The group of a scene file: geometries that belong together.
 
-use crate::scene::format::{
-    geometry::{
-        GeometryModel,
-        inside::Inside,
-        kind::{FIELDS, GeometryKind, geometry},
+use crate::{
+    diagnostic::Code,
+    scene::{
+        format::{
+            geometry::{
+                GeometryModel,
+                inside::Inside,
+                kind::{FIELDS, GeometryKind, geometry},
+            },
+            scene::Model,
+        },
+        problem::Problem,
     },
-    scene::Model,
 };
 
 geometry! {
@@ -19,6 +25,15 @@ geometry! {
 }
 
 impl GeometryKind for GroupModel {
+    fn faults(&self) -> Vec<Problem> {
+        let message = "this has no effect: the group has no geometries";
+        let problem = || {
+            Problem::of_field(Code::NoEffect, Model::LONG, message)
+                .help("add geometries to the group, or remove it")
+        };
+        Vec::from_iter(self.geometries.is_empty().then(problem))
+    }
+
     fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
         [Some(Inside::list(Model::LONG, &self.geometries)), None]
     }

@@ -2,13 +2,17 @@
 
 use crate::{
     data::table::kind::RowKind,
-    scene::format::{
-        geometry::{
-            kind::{GeometryKind, geometry},
-            table::TableModel,
+    diagnostic::Code,
+    scene::{
+        format::{
+            geometry::{
+                kind::{CopiesModel, GeometryKind, SeveralWords, geometry},
+                table::TableModel,
+            },
+            thing::Type,
+            transform::TransformModel,
         },
-        thing::Type,
-        transform::TransformModel,
+        problem::Problem,
     },
 };
 
@@ -35,6 +39,45 @@ geometry! {
 }
 
 impl GeometryKind for InstancesModel {
+    fn faults(&self) -> Vec<Problem> {
+        let Some(transforms) = self.transforms.as_ref().filter(|_| self.file.is_none()) else {
+            return Vec::new();
+        };
+        let (without_file, without_places) = (
+            "this has no effect: there is no `file`",
+            "this has no effect: there are no transforms",
+        );
+        let add = "add a transform for each copy, or remove it";
+        let faults = [
+            (self.columns.is_some(), "columns", without_file, "remove it"),
+            (self.array.is_some(), "array", without_file, "remove it"),
+            (transforms.is_empty(), "transforms", without_places, add),
+        ];
+        let faults = faults.into_iter().filter(|(is_fault, ..)| *is_fault);
+        let faults = faults.map(|(_, field, message, help)| {
+            Problem::of_field(Code::NoEffect, field, message).help(help)
+        });
+        faults.collect()
+    }
+
+    fn copies(&self) -> Option<CopiesModel<'_>> {
+        Some(CopiesModel {
+            of: &self.of,
+            transforms: self.transforms.as_deref(),
+        })
+    }
+
+    fn words(&self) -> Option<SeveralWords> {
+        Some(SeveralWords {
+            whole: "a list of instances",
+            all: match self.file {
+                Some(_) => "copies of this table",
+                None => "these instances",
+            },
+            one: "one of these",
+        })
+    }
+
     fn table(&self) -> Option<TableModel<'_>> {
         Some(TableModel {
             kind: RowKind::Copy,

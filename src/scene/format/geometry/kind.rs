@@ -10,6 +10,7 @@ use crate::{
                 table::TableModel,
             },
             material::{MaterialModel, Surface},
+            transform::TransformModel,
         },
         problem::Problem,
     },
@@ -72,6 +73,37 @@ pub(super) trait GeometryKind {
     fn table(&self) -> Option<TableModel<'_>> {
         None
     }
+
+    /// The copies that it is.
+    #[inline]
+    fn copies(&self) -> Option<CopiesModel<'_>> {
+        None
+    }
+
+    /// The words for what it stands for, if that is several geometries of the world.
+    fn words(&self) -> Option<SeveralWords> {
+        None
+    }
+}
+
+/// Copies of a geometry, whatever gives them their places.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CopiesModel<'a> {
+    /// The name of the geometry.
+    pub(crate) of: &'a str,
+    /// The place of each, unless the rows of a table give it.
+    pub(crate) transforms: Option<&'a [TransformModel]>,
+}
+
+/// The words for a geometry that stands for several of the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SeveralWords {
+    /// The whole, such as `a table`.
+    pub(crate) whole: &'static str,
+    /// All of them, such as `geometries of this part`.
+    pub(crate) all: &'static str,
+    /// What one of them is, such as `in this part`.
+    pub(crate) one: &'static str,
 }
 
 /// The surface of a kind of geometry, if it has one of its own.

@@ -10,7 +10,7 @@ mod faults;
 pub(crate) mod group;
 pub(crate) mod inside;
 pub(crate) mod instances;
-mod kind;
+pub(crate) mod kind;
 pub(crate) mod mesh;
 pub(crate) mod ordinal;
 pub(crate) mod part;
@@ -53,7 +53,7 @@ use crate::{
             field::{FieldKind, Name, Value},
             geometry::{
                 inside::Inside,
-                kind::{Coat, GeometryKind},
+                kind::{Coat, CopiesModel, GeometryKind, SeveralWords},
                 table::TableModel,
             },
             material::{Materials, Surface},
@@ -255,6 +255,17 @@ impl GeometryModel {
     #[inline(always)]
     pub(crate) fn table(&self) -> Option<TableModel<'_>> {
         of_each!(self, geometry => geometry.table())
+    }
+
+    /// The copies that it is.
+    #[inline(always)]
+    pub(crate) fn copies(&self) -> Option<CopiesModel<'_>> {
+        of_each!(self, geometry => geometry.copies())
+    }
+
+    /// The words for what it stands for, if that is several geometries of the world.
+    pub(crate) fn words(&self) -> Option<SeveralWords> {
+        of_each!(self, geometry => geometry.words())
     }
 
     /// The part that it names.

@@ -1,6 +1,6 @@
 //! The part of a scene file: another scene file.
 
-use crate::scene::format::geometry::kind::{GeometryKind, geometry};
+use crate::scene::format::geometry::kind::{GeometryKind, SeveralWords, geometry};
 
 geometry! {
     /// The geometries of another scene file, with their own materials.
@@ -14,4 +14,12 @@ geometry! {
     } not solid
 }
 
-impl GeometryKind for PartModel {}
+impl GeometryKind for PartModel {
+    fn words(&self) -> Option<SeveralWords> {
+        Some(SeveralWords {
+            whole: "a part",
+            all: "geometries of this part",
+            one: "in this part",
+        })
+    }
+}

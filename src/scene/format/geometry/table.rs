@@ -7,7 +7,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         color_by::ColorByModel,
-        geometry::kind::{GeometryKind, geometry},
+        geometry::kind::{GeometryKind, SeveralWords, geometry},
         material::MaterialModel,
         thing::Type,
     },
@@ -28,7 +28,7 @@ pub(crate) struct TableModel<'a> {
 
 /// Defines the table that a geometry names.
 macro_rules! table {
-    ($model:ident, $table:ident => $kind:expr) => {
+    ($model:ident, $all:literal, $table:ident => $kind:expr) => {
         impl GeometryKind for $model {
             #[inline]
             fn table(&self) -> Option<TableModel<'_>> {
@@ -44,12 +44,20 @@ macro_rules! table {
                     material: self.material.as_deref(),
                 })
             }
+
+            fn words(&self) -> Option<SeveralWords> {
+                Some(SeveralWords {
+                    whole: "a table",
+                    all: $all,
+                    one: "in this table",
+                })
+            }
         }
     };
 }
 
-table!(SpheresModel, _table => RowKind::Sphere);
-table!(CylindersModel, table => RowKind::Cylinder { capped: table.capped() });
+table!(SpheresModel, "spheres of this table", _table => RowKind::Sphere);
+table!(CylindersModel, "cylinders of this table", table => RowKind::Cylinder { capped: table.capped() });
 
 geometry! {
     /// Many spheres from a table, a file beside the scene: one in each row.

@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use crate::{
     scene::format::{
-        geometry::{GeometryModel, InstancesModel, ordinal::Ordinal, placement::Placement},
+        geometry::{GeometryModel, kind::CopiesModel, ordinal::Ordinal, placement::Placement},
         scene::Model,
     },
     tracer::{
@@ -16,7 +16,7 @@ use crate::{
 
 /// Copies of a geometry.
 #[derive(Clone, Debug)]
-pub(crate) struct Instances {
+pub(crate) struct PlacedCopies {
     /// The name of the geometry.
     pub(crate) of: Arc<str>,
     rows: Arc<Vec<Rows>>,
@@ -36,7 +36,7 @@ pub(crate) enum Refused {
     /// The geometry holds the copies themselves.
     Itself(Ordinal),
     /// The geometry is a list of copies, or holds one.
-    Instances(Ordinal),
+    Copies(Ordinal),
     /// The geometry is an operand of a solid.
     Operand(Ordinal),
 }
@@ -73,9 +73,9 @@ impl<'m> Prototypes<'m> {
         } = self;
         let found = *known.entry(name).or_insert_with(|| {
             let of = *names.get(name).ok_or(Refused::Unknown)?;
-            let is_list = |inside: &_| matches!(inside, GeometryModel::Instances(_));
+            let is_list = |inside: &GeometryModel| inside.copies().is_some();
             if model.geometry(of).is_some_and(|of| of.any_inside(&is_list)) {
-                return Err(Refused::Instances(of));
+                return Err(Refused::Copies(of));
             }
             match model.is_operand(of) {
                 true => Err(Refused::Operand(of)),
@@ -83,9 +83,7 @@ impl<'m> Prototypes<'m> {
             }
         });
         match found {
-            Err(Refused::Instances(of)) if of == at || model.holds(of, at) => {
-                Err(Refused::Itself(of))
-            }
+            Err(Refused::Copies(of)) if of == at || model.holds(of, at) => Err(Refused::Itself(of)),
             found => found,
         }
     }
@@ -93,23 +91,17 @@ impl<'m> Prototypes<'m> {
 
 impl Model {
     /// Returns each list of copies.
-    pub(crate) fn instances(&self) -> impl Iterator<Item = (Ordinal, &InstancesModel)> {
-        self.walk().filter_map(|(at, geometry)| match geometry {
-            GeometryModel::Instances(named) => Some((at, &**named)),
-            _ => None,
-        })
+    pub(crate) fn copies(&self) -> impl Iterator<Item = (Ordinal, CopiesModel<'_>)> {
+        self.walk()
+            .filter_map(|(at, geometry)| Some((at, geometry.copies()?)))
     }
 }
 
-impl Instances {
+impl PlacedCopies {
     /// Creates copies of a prototype, in its own space, from the rows of transforms.
-    pub(crate) fn new(
-        named: &InstancesModel,
-        prototype: &[Geometry],
-        rows: Arc<Vec<Rows>>,
-    ) -> Self {
+    pub(crate) fn new(named: CopiesModel, prototype: &[Geometry], rows: Arc<Vec<Rows>>) -> Self {
         Self {
-            of: (*named.of).into(),
+            of: named.of.into(),
             // What is invalid has its own diagnostics.
             all: Geometry::copies_at(prototype, Arc::clone(&rows)).ok(),
             rows,
@@ -149,8 +141,8 @@ impl Instances {
 }
 
 /// Returns the rows of transforms that are written in a scene; none of one that is invalid.
-pub(crate) fn written(named: &InstancesModel) -> Arc<Vec<Rows>> {
-    let all = named.transforms.iter().flatten();
+pub(crate) fn written(named: CopiesModel) -> Arc<Vec<Rows>> {
+    let all = named.transforms.into_iter().flatten();
     let all = all.filter_map(|transform| Some(transform.build().ok()?.rows()));
     all.collect::<Vec<_>>().into()
 }

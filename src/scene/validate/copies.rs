@@ -4,11 +4,11 @@ use super::Found;
 use crate::{
     diagnostic::Code,
     scene::{
+        copies::{Prototypes, Refused},
         format::{
-            geometry::{GeometryModel, InstancesModel, ordinal::Ordinal},
+            geometry::{GeometryModel, PartModel, kind::CopiesModel, ordinal::Ordinal},
             scene::Model,
         },
-        instances::{Prototypes, Refused},
         problem::{Focus, Problem},
         unknown,
     },
@@ -17,7 +17,7 @@ use crate::{
 
 impl Found {
     /// Checks what copies are of, for each list of them.
-    pub(super) fn prototypes(&mut self, lists: Vec<(Ordinal, &InstancesModel)>, model: &Model) {
+    pub(super) fn prototypes(&mut self, lists: Vec<(Ordinal, CopiesModel)>, model: &Model) {
         if lists.is_empty() {
             return;
         }
@@ -26,19 +26,16 @@ impl Found {
             if self.is_cancelled() {
                 return;
             }
-            match prototypes.of(&named.of, at) {
+            match prototypes.of(named.of, at) {
                 Ok(of) => self.lights_of_copies(of, at, model),
-                Err(refused) => self.not_copied(&named.of, &refused, at, model),
+                Err(refused) => self.not_copied(named.of, &refused, at, model),
             }
         }
     }
 
     /// Warns if what is copied has lights, which are not copied.
     fn lights_of_copies(&mut self, of: Ordinal, at: Ordinal, model: &Model) {
-        let shines = |geometry: &GeometryModel| match geometry {
-            GeometryModel::Part(part) => part.lights == Some(true),
-            _ => false,
-        };
+        let shines = |geometry: &GeometryModel| geometry.part().is_some_and(PartModel::lights);
         let geometry = model.geometry(of);
         if !geometry.is_some_and(|geometry| geometry.any_inside(&shines)) {
             return;
@@ -57,31 +54,23 @@ impl Found {
 
     /// Checks the places of copies.
     #[inline(never)]
-    pub(super) fn instances(&mut self, instances: &InstancesModel, at: Ordinal, model: &Model) {
+    pub(super) fn places_of_copies(
+        &mut self,
+        geometry: &GeometryModel,
+        copies: CopiesModel,
+        at: Ordinal,
+        model: &Model,
+    ) {
         let path = model.path_of(at);
         let helps = [
             "leave one of them out",
             "give a transform for each copy, or name a .csv, .npy or .npz `file`",
         ];
-        let is_fine = self.one_of(instances, Code::OneOf, &path, helps);
-        let Some(transforms) = instances.transforms.as_ref().filter(|_| is_fine) else {
+        let is_fine = self.one_of(geometry, Code::OneOf, &path, helps);
+        let Some(transforms) = copies.transforms.filter(|_| is_fine) else {
             return;
         };
-        let of_table = [
-            ("columns", instances.columns.is_some()),
-            ("array", instances.array.is_some()),
-        ];
-        for (field, _) in of_table.into_iter().filter(|(_, is_given)| *is_given) {
-            let message = "this has no effect: there is no `file`";
-            let problem = Problem::new(Code::NoEffect, path.field(field), Focus::Value, message);
-            self.push(problem.help("remove it"));
-        }
         let place = path.field("transforms");
-        if transforms.is_empty() {
-            let message = "this has no effect: there are no transforms";
-            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
-            return self.push(problem.help("add a transform for each copy, or remove it"));
-        }
         let around = model
             .leaf(at)
             .map(|leaf| leaf.placement)
@@ -118,7 +107,7 @@ impl Found {
                 format!("{found} holds these instances themselves"),
                 "name a geometry that does not hold them",
             ),
-            Refused::Instances(of) => refuse(
+            Refused::Copies(of) => refuse(
                 of,
                 format!("{found} holds instances itself, which cannot be copied again"),
                 "name what they are copies of",
