@@ -98,6 +98,12 @@ impl Framing<'_> {
         self.known.explicit(std::slice::from_ref(self), fit, size)
     }
 
+    /// Returns true if a leaf of a scene changes in any frame.
+    pub(crate) fn moves(&self, model: &Model, at: Ordinal) -> bool {
+        self.frames
+            .is_some_and(|frames| frames.move_leaf(model, at))
+    }
+
     /// Returns true if the search should end.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(Cancel::is_cancelled)

@@ -409,6 +409,17 @@ impl Tables {
         self.0.remove(&geometry)
     }
 
+    /// Returns true if `is_it` does for any shape in a scene.
+    #[inline]
+    pub(crate) fn any_shape_of(
+        &self,
+        model: &Model,
+        mut is_it: impl FnMut(&Shape) -> bool,
+    ) -> bool {
+        let mut leaves = model.leaves();
+        leaves.any(|leaf| self.any_shape(&leaf, &mut is_it))
+    }
+
     /// Returns true if `is_it` does for any shape in the scene that a leaf stands for: its own, or
     /// those of the table or the part that it names. Invalid ones are skipped.
     #[inline]

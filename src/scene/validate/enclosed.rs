@@ -125,17 +125,13 @@ impl Solid {
 
 /// Returns the geometries that lie inside of others that hide them from every camera in every frame, with
 /// these. Rows of tables, parts and copies are not looked at.
-pub(super) fn enclosed(
-    model: &Model,
-    frames: Option<&Frames>,
-    framing: &Framing,
-) -> Vec<(Ordinal, Cover)> {
-    let Some(eyes) = eyes(model, frames, framing) else {
+pub(super) fn enclosed(model: &Model, framing: &Framing) -> Vec<(Ordinal, Cover)> {
+    let Some(eyes) = eyes(model, framing) else {
         return Vec::new();
     };
     let leaves = || {
         let leaves = model.leaves().take_while(|_| !framing.is_cancelled());
-        leaves.filter(|leaf| !frames.is_some_and(|frames| frames.move_leaf(model, leaf.at)))
+        leaves.filter(|leaf| !framing.moves(model, leaf.at))
     };
     let mut covers: Vec<_> = leaves()
         .filter_map(|leaf| Cover::of(&leaf, model, &eyes))
@@ -151,7 +147,8 @@ pub(super) fn enclosed(
 }
 
 /// Returns the eyes of all cameras in all frames; `None` if a camera is invalid, or if they are too many.
-fn eyes(model: &Model, frames: Option<&Frames>, framing: &Framing) -> Option<Vec<Eye>> {
+fn eyes(model: &Model, framing: &Framing) -> Option<Vec<Eye>> {
+    let frames = framing.frames;
     let cameras = model.all_cameras().count();
     let is_long = |frames: &Frames| cameras.saturating_mul(frames.count() as usize) > MOST_EYES;
     if frames.is_some_and(is_long) {

@@ -33,18 +33,11 @@ impl Eye<'_> {
 impl Found {
     /// Reports a geometry that blocks an eye.
     #[inline(always)]
-    pub(super) fn eye(
-        &mut self,
-        eye: &Eye,
-        leaf: &Leaf,
-        tables: &Tables,
-        model: &Model,
-        surroundings: &mut Surroundings,
-    ) {
+    pub(super) fn eye(&mut self, eye: &Eye, leaf: &Leaf, surroundings: &mut Surroundings) {
         let membership = leaf.membership(eye.point);
         // Almost all of a million.
         if !matches!(membership, Some(Membership::Outside)) {
-            self.blocked(eye, (leaf, membership), tables, model, surroundings);
+            self.blocked(eye, (leaf, membership), surroundings);
         }
     }
 
@@ -54,10 +47,9 @@ impl Found {
         &mut self,
         eye: &Eye,
         (leaf, membership): (&Leaf, Option<Membership>),
-        tables: &Tables,
-        model: &Model,
         surroundings: &mut Surroundings,
     ) {
+        let (model, tables) = (surroundings.model, surroundings.tables);
         let mut hides = |center: DVec3, radius: f64| {
             (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
         };
@@ -191,7 +183,7 @@ impl<'a> Surroundings<'a> {
             return largest;
         }
         let mut largest = 0.0;
-        self.any_shape(|shape| {
+        self.tables.any_shape_of(self.model, |shape| {
             largest = f64::max(largest, shape.extent().radius());
             false
         });
@@ -209,16 +201,11 @@ impl<'a> Surroundings<'a> {
         match self.last {
             Some((other, beyond)) if other == center => beyond,
             _ => {
-                let beyond = self.any_shape(|shape| shape.farthest_from(center) > radius);
+                let is_beyond = |shape: &Shape| shape.farthest_from(center) > radius;
+                let beyond = self.tables.any_shape_of(self.model, is_beyond);
                 self.last = Some((center, beyond));
                 beyond
             }
         }
-    }
-
-    /// Returns true if `is_it` does for any shape.
-    fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
-        let mut leaves = self.model.leaves();
-        leaves.any(|leaf| self.tables.any_shape(&leaf, &mut is_it))
     }
 }

@@ -4,13 +4,13 @@ use super::{Found, StandIns, both};
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
-        animation::frames::Frames,
         duplicates::Duplicates,
         format::{
             geometry::{GeometryModel, MeshModel, ordinal::Ordinal},
             scene::Model,
             thing::Thing,
         },
+        framing::Framing,
         problem::{Cure, Focus, Problem},
     },
     text::nearest::quote,
@@ -84,11 +84,10 @@ impl Found {
         &mut self,
         duplicates: Duplicates,
         model: &Model,
-        frames: Option<&Frames>,
+        framing: &Framing,
         stand_ins: &StandIns,
     ) {
         // A moving geometry separates from its duplicate.
-        let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
         for (first, at) in duplicates.found(model) {
             if self.is_cancelled() {
                 return;
@@ -101,7 +100,8 @@ impl Found {
                 continue;
             }
             let geometry = model.geometry(at);
-            let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(at)) else {
+            let moves = || framing.moves(model, first) || framing.moves(model, at);
+            let Some(geometry) = geometry.filter(|_| !moves()) else {
                 continue;
             };
             let place = model.path_of(first);
@@ -109,7 +109,7 @@ impl Found {
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
             let message = format!("equal to `{place}`{named}, which hides it");
             // Tracks refer to geometries by index, so a removal would shift them.
-            let is_needless = frames.is_none() && geometry.name().is_none();
+            let is_needless = framing.frames.is_none() && geometry.name().is_none();
             let own = model.path_of(at);
             let problem = Problem::new(Code::DuplicateGeometry, own, Focus::Name, message);
             self.push(

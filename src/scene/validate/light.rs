@@ -134,7 +134,7 @@ impl Found {
     ) {
         let (mut nearest, mut to_plane) = (f64::INFINITY, f64::INFINITY);
         let cancel = self.cancel.clone();
-        each_shape(model, tables, cancel.as_ref(), |shape| {
+        tables.any_shape_of(model, |shape| {
             match shape.extent() {
                 Extent::Ball(center, radius) => {
                     let to_ball = ((center - position).length() - radius).max(0.0);
@@ -147,6 +147,7 @@ impl Found {
                     to_plane = to_plane.min(distance);
                 }
             }
+            cancel.as_ref().is_some_and(Cancel::is_cancelled)
         });
         let brightness = light.glow().radiance().max_channel();
         // A plane is near somewhere, which does not help what is far away.
@@ -216,21 +217,6 @@ impl Found {
 
 fn path_of(index: usize) -> Path {
     Path::ROOT.field("lights").index(index)
-}
-
-/// Calls `see` with every shape of a scene, until it is cancelled.
-fn each_shape(
-    model: &Model,
-    tables: &Tables,
-    cancel: Option<&Cancel>,
-    mut see: impl FnMut(&Shape),
-) {
-    model.leaves().any(|leaf| {
-        tables.any_shape(&leaf, |shape| {
-            see(shape);
-            cancel.is_some_and(Cancel::is_cancelled)
-        })
-    });
 }
 
 /// Returns the distance from a point to the box around a shape: the ball around a wide floor is as high

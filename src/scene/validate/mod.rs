@@ -153,8 +153,7 @@ pub(crate) fn problems(
                     found.operands(geometry, at, model, &Placement::default());
                 }
                 found.solid(geometry, at, model);
-                let moves = |frames: &Frames| frames.move_leaf(model, at);
-                if !stand_ins.has_part_of(at, geometry) && !frames.as_ref().is_some_and(moves) {
+                if !stand_ins.has_part_of(at, geometry) && !framing.moves(model, at) {
                     found.empty_solid(geometry, at, model);
                 }
             }
@@ -162,7 +161,7 @@ pub(crate) fn problems(
         }
         named.extend(geometry.name().map(|name| (at, name)));
         for (eye, leaf) in eyes.iter().filter_map(|eye| Some((eye, leaf.as_ref()?))) {
-            found.eye(eye, leaf, tables, model, &mut surroundings);
+            found.eye(eye, leaf, &mut surroundings);
         }
     }
     found.extend(names::of(named, |at| model.path_of(at)));
@@ -173,7 +172,7 @@ pub(crate) fn problems(
         found.empty_scene(model, tables);
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
-    found.duplicate_geometry(duplicates, model, frames.as_ref(), stand_ins);
+    found.duplicate_geometry(duplicates, model, &framing, stand_ins);
     found.animation(model);
     // The frames of an animation with a fault are meaningless, and so is what is seen without all
     // geometries.
@@ -189,10 +188,10 @@ pub(crate) fn problems(
     let is_known = !is_part && (frames.is_some() || model.animation.is_none());
     let is_wanted = |code| is_known && aspects.levels.severity(code).is_some();
     if is_wanted(Code::NeverVisible) {
-        found.never_visible(model, tables, frames, &framing);
+        found.never_visible(model, tables, &framing);
     }
     if is_wanted(Code::NothingVisible) && !is_empty(model, tables) {
-        found.nothing_visible(model, tables, frames, aspects.cancel);
+        found.nothing_visible(model, tables, &framing);
     }
     (found.list, found.tally)
 }

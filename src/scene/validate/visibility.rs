@@ -2,7 +2,6 @@
 
 use crate::{
     diagnostic::Code,
-    parallel::Cancel,
     scene::{
         animation::frames::Frames,
         format::{
@@ -22,15 +21,9 @@ use crate::{
 
 impl Found {
     /// Reports the cameras that see no geometry at any frame.
-    pub(super) fn nothing_visible(
-        &mut self,
-        model: &Model,
-        tables: &Tables,
-        frames: Option<&Frames>,
-        cancel: Option<&Cancel>,
-    ) {
-        let when = frames.map_or("", |_| ", in any frame");
-        for (name, _) in blind(model, tables, frames, cancel) {
+    pub(super) fn nothing_visible(&mut self, model: &Model, tables: &Tables, framing: &Framing) {
+        let when = framing.frames.map_or("", |_| ", in any frame");
+        for (name, _) in blind(model, tables, framing) {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
             let place = Model::path_of_camera(name);
@@ -42,22 +35,16 @@ impl Found {
     }
 
     /// Reports the geometries that no camera can see at any frame.
-    pub(super) fn never_visible(
-        &mut self,
-        model: &Model,
-        tables: &Tables,
-        frames: Option<&Frames>,
-        framing: &Framing,
-    ) {
-        let cameras = match (model.all_cameras().count(), frames) {
+    pub(super) fn never_visible(&mut self, model: &Model, tables: &Tables, framing: &Framing) {
+        let cameras = match (model.all_cameras().count(), framing.frames) {
             (0, _) => return,
             (1, None) => "the camera",
             (_, None) => "every camera",
             (1, Some(_)) => "the camera in every frame",
             (_, Some(_)) => "every camera in every frame",
         };
-        let unseen = unseen(model, tables, frames, framing);
-        for (at, plane) in hidden_in_planes(model, frames, framing) {
+        let unseen = unseen(model, tables, framing);
+        for (at, plane) in hidden_in_planes(model, framing) {
             let message = "this geometry lies in a plane before it in the list, which hides it";
             let problem = Problem::new(Code::NeverVisible, model.path_of(at), Focus::Name, message);
             self.push(
@@ -71,7 +58,7 @@ impl Found {
                 .as_ref()
                 .is_some_and(|out| out.binary_search(at).is_ok())
         };
-        for (at, cover) in enclosed(model, frames, framing) {
+        for (at, cover) in enclosed(model, framing) {
             if is_out(&at) {
                 continue;
             }
@@ -106,11 +93,7 @@ const MOST_PLANES: usize = 100;
 /// Returns the flat geometries that lie in a plane before them in the list, with that plane. Only where
 /// rounding cannot make a difference: both have the same normal, and either the same point or a normal
 /// along an axis.
-fn hidden_in_planes(
-    model: &Model,
-    frames: Option<&Frames>,
-    framing: &Framing,
-) -> Vec<(Ordinal, Ordinal)> {
+fn hidden_in_planes(model: &Model, framing: &Framing) -> Vec<(Ordinal, Ordinal)> {
     let mut planes: Vec<(Ordinal, Plane)> = Vec::new();
     let mut hidden = Vec::new();
     for leaf in model.leaves().take_while(|_| !framing.is_cancelled()) {
@@ -123,7 +106,7 @@ fn hidden_in_planes(
             }
             _ => false,
         };
-        if !is_wanted || frames.is_some_and(|frames| frames.move_leaf(model, leaf.at)) {
+        if !is_wanted || framing.moves(model, leaf.at) {
             continue;
         }
         let shape = leaf.shape().filter(|shape| shape.transform().is_none());
@@ -157,12 +140,8 @@ const MOST_WORK: usize = 10_000_000;
 
 /// Returns the geometries that no camera can see at any frame, in ascending order; `None` if a camera is
 /// invalid, or if the search would take too long.
-fn unseen(
-    model: &Model,
-    tables: &Tables,
-    frames: Option<&Frames>,
-    framing: &Framing,
-) -> Option<Vec<Ordinal>> {
+fn unseen(model: &Model, tables: &Tables, framing: &Framing) -> Option<Vec<Ordinal>> {
+    let frames = framing.frames;
     if let Some(frames) = frames {
         let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
         let work = (model.leaves().count() + more) * model.all_cameras().count();
@@ -172,8 +151,7 @@ fn unseen(
         }
     }
     // The rows of a table may change their size with its `radius`, and a part its place.
-    let moves = |frames: &Frames, at| tables.has(at) && frames.move_leaf(model, at);
-    let stays = |at: &Ordinal| !frames.is_some_and(|frames| moves(frames, *at));
+    let stays = |at: &Ordinal| !(tables.has(*at) && framing.moves(model, *at));
     let all = model.leaves().map(|leaf| leaf.at);
     // Without frames, all are looked at once.
     let mut left = Some(match frames {
@@ -207,25 +185,17 @@ type Named<'a> = (Option<&'a str>, &'a CameraModel);
 
 /// Returns the cameras that certainly see no geometry at any frame; none if the search would take
 /// too long.
-fn blind<'a>(
-    model: &'a Model,
-    tables: &Tables,
-    frames: Option<&Frames>,
-    cancel: Option<&Cancel>,
-) -> Vec<Named<'a>> {
+fn blind<'a>(model: &'a Model, tables: &Tables, framing: &Framing) -> Vec<Named<'a>> {
+    let frames = framing.frames;
     // The rows of a table may change their size with its `radius`, and a part its place.
-    let moves = |frames: &Frames| {
-        let mut contents = tables.contents();
-        contents.any(|(at, _)| frames.move_leaf(model, at))
-    };
-    if frames.is_some_and(moves) {
+    if tables.contents().any(|(at, _)| framing.moves(model, at)) {
         return Vec::new();
     }
     let mut blind: Vec<(usize, Named)> = model.all_cameras().enumerate().collect();
     let mut left = MOST_WORK;
     Frames::each(frames, model, |_, shown, world| {
         left = left.saturating_sub(frames.map_or(0, |frames| frames.targets().count()));
-        if left == 0 || frames.is_some() && cancel.is_some_and(Cancel::is_cancelled) {
+        if left == 0 || frames.is_some() && framing.is_cancelled() {
             blind.clear();
         }
         let cameras: Vec<_> = shown.all_cameras().map(|(_, camera)| camera).collect();
