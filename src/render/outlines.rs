@@ -156,8 +156,12 @@ impl<'a> OutlineMask<'a> {
         near: [i64; 2],
         met: &mut Vec<u32>,
     ) -> Option<([i64; 2], u32)> {
+        let share = self.share(place, other, met);
+        if share == 0.0 {
+            return None;
+        }
         // Distances count from halfway between the two samples.
-        let reach = 0.5 + (self.reach - 0.5) * self.share(place, other, met);
+        let reach = 0.5 + (self.reach - 0.5) * share;
         let is_near = (near[0] * near[0] + near[1] * near[1]) as f64 <= reach * reach;
         is_near.then(|| (near, self.hits.ids[other]))
     }
