@@ -15,11 +15,10 @@ use crate::{
             target::{Aspect, Target},
         },
         format::{
-            animation::{Interpolation, Key, Track},
-            field::{FieldKind, Triple},
+            animation::{Interpolation, Key, Track, of_keys},
+            field::{FieldKind, Held, Triple, Value},
             scene::Model,
             thing::Thing,
-            transform::ScaleModel,
         },
         problem::{Focus, Problem},
         validate::Found,
@@ -81,46 +80,14 @@ impl Found {
     }
 
     fn track(&mut self, target: &Target, track: &Track, path: &Path) {
-        let field = target.field;
-        match track {
-            Track::Numbers(keys) => {
-                self.keys(keys, path, |found, number, path| {
-                    found.value(target, *number, path);
-                });
-            }
-            Track::Scales(keys) => self.keys(keys, path, |found, scale, path| match scale {
-                ScaleModel::Uniform(factor) => {
-                    found.number(*factor, || path.clone());
-                }
-                ScaleModel::Axes(factors) => {
-                    found.finite(factors, || path.clone());
-                }
-            }),
-            Track::Points(keys) => self.keys(keys, path, |found, point, path| {
-                found.finite(point, || path.clone());
-            }),
-            Track::Directions(keys) => {
-                self.keys(keys, path, |found, vector, path| {
-                    if found.finite(vector, || path.clone()) {
-                        let what = format!("`{field}`");
-                        found.direction(DVec3::from(*vector), &what, || path.clone());
-                    }
-                });
-                self.opposite(keys, path);
-            }
-            Track::Intervals(keys) => self.keys(keys, path, |found, range, path| {
-                found.interval(*range, field, || path.clone());
-            }),
-            Track::Colors(keys) => self.keys(keys, path, |found, color, path| {
-                found.color(color, || path.clone());
-            }),
-            // The path only shows that it leads to nothing.
-            Track::Unknown => {}
+        of_keys!(track, keys => self.keys(keys, path, target), _ => {});
+        if let Track::Directions(keys) = track {
+            self.opposite(keys, path);
         }
     }
 
-    /// Checks the times of keys and, with `check`, their values.
-    fn keys<T>(&mut self, keys: &[Key<T>], path: &Path, check: impl Fn(&mut Self, &T, &Path)) {
+    /// Checks the times of keys and their values.
+    fn keys<T: Held>(&mut self, keys: &[Key<T>], path: &Path, target: &Target) {
         if keys.is_empty() {
             let message = "expected at least one key, found an empty list";
             let problem = Problem::new(Code::WrongType, path.clone(), Focus::Value, message);
@@ -137,7 +104,9 @@ impl Found {
                 );
                 before = Some((index, key.time));
             }
-            check(self, &key.value, &path.index(index).index(1));
+            if let Some(value) = key.value.value() {
+                self.value(target, value, &path.index(index).index(1));
+            }
         }
     }
 
@@ -156,17 +125,17 @@ impl Found {
         }
     }
 
-    /// Checks a number for a field, or for one number of it.
-    fn value(&mut self, target: &Target, number: f64, path: &Path) {
+    /// Checks a value for a field, or for one number of it.
+    fn value(&mut self, target: &Target, value: Value, path: &Path) {
         let path = || path.clone();
-        match target.component {
-            None => self.number_of(target.kind, number, path, target.field),
-            Some(_) => {
+        match (value, target.component) {
+            (Value::Number(number), Some(_)) => {
                 let is_color = target.kind == FieldKind::Color;
                 if self.number(number, path) && is_color && !(0.0..=1.0).contains(&number) {
                     self.push(super::field::clamped(path()));
                 }
             }
+            (value, _) => self.fault(target.kind, target.field, value, &path),
         }
     }
 

@@ -48,7 +48,8 @@ impl Found {
             Value::Color(color) => matches!(color, ColorModel::Hex(_)),
         };
         if !is_fine {
-            self.fault(field, value, &path);
+            let (name, path) = (field.name, || path().field(field.name));
+            self.fault(kind, name, value, &path);
         }
     }
 
@@ -56,11 +57,11 @@ impl Found {
     #[cold]
     pub(super) fn fault(
         &mut self,
-        &Field { name, kind, .. }: &Field,
+        kind: FieldKind,
+        name: &str,
         value: Value,
         path: &dyn Fn() -> Path,
     ) {
-        let path = || path().field(name);
         match value {
             Value::Number(number) => self.number_of(kind, number, path, name),
             Value::Vector(vector) => {

@@ -83,6 +83,8 @@ macro_rules! of_keys {
     };
 }
 
+pub(crate) use of_keys;
+
 impl Track {
     /// Returns the time of each key, and how its value is reached.
     pub(crate) fn times(&self) -> Vec<(f64, Interpolation)> {
