@@ -22,14 +22,10 @@ use crate::{
     text::syntax::{NodeKind, Syntax},
 };
 
-/// The list of the definitions of materials.
-const MATERIALS: &str = "materials";
-/// The number of names of geometries that are offered.
-const GEOMETRIES: usize = 1000;
+/// The number of names of materials or geometries that are offered.
+const NAMES: usize = 1000;
 /// The number of colors of the scene that are offered.
 const COLORS: usize = 20;
-/// The field that names a file.
-pub(super) const FILE: &str = "file";
 /// Colors that are offered for a start.
 const PALETTE: [&str; 9] = [
     "#ffffff", "#808080", "#000000", "#ff0000", "#ff8000", "#ffd700", "#00a000", "#0080ff",
@@ -75,8 +71,8 @@ pub(super) fn complete(
         Fitting::Path { has_colon } => paths(finder, *has_colon, first_cut),
         Fitting::Value { value, field } => match value {
             Type::File(endings) => files(word, endings, options),
-            Type::NameOfGeometry => geometries(finder),
-            Type::NameOfMaterial => materials(finder),
+            Type::NameOfGeometry => names_of(finder, NameKind::Geometry),
+            Type::NameOfMaterial => names_of(finder, NameKind::Material),
             Type::Flag => {
                 let field = field.as_ref().and_then(|(owner, name)| owner.field(name));
                 flags(field.map_or("", |field| field.docs))
@@ -207,32 +203,15 @@ fn used_colors(finder: &Finder) -> Vec<String> {
     seen.into_iter().collect()
 }
 
-/// Returns the names of the scene's materials.
-fn materials(finder: &Finder) -> Vec<Completion> {
-    let root = finder.tree.root();
-    let materials = root.and_then(|root| finder.field(root, MATERIALS));
-    let materials = materials
-        .into_iter()
-        .flat_map(|list| finder.tree.fields(list));
-    let names = materials.map(|(name, _)| finder.name(name).into_owned());
-    names
-        .map(|name| of_scene(name, NameKind::Material))
-        .collect()
-}
-
-/// Returns the names of the scene's geometries.
-fn geometries(finder: &Finder) -> Vec<Completion> {
-    let is_given = |name: &Name| name.kind == NameKind::Geometry && name.definition.is_some();
-    let names = names::all(finder).filter(is_given).take(GEOMETRIES);
-    names.map(|name| of_scene(name.name, name.kind)).collect()
-}
-
-/// Returns the name of a thing of the scene.
-fn of_scene(name: String, kind: NameKind) -> Completion {
-    Completion {
+/// Returns the names of the scene's things of a kind.
+fn names_of(finder: &Finder, kind: NameKind) -> Vec<Completion> {
+    let is_given = |name: &Name| name.kind == kind && name.definition.is_some();
+    let names = names::all(finder).filter(is_given).take(NAMES);
+    let names = names.map(|Name { name, .. }| Completion {
         detail: format!("{} of the scene", kind.name()),
         ..item(&name, format!("{name:?}"), CompletionKind::Name, "")
-    }
+    });
+    names.collect()
 }
 
 /// Returns the meaning of the name or value at an offset.

@@ -2,18 +2,17 @@
 
 use std::{ops::Range, path::PathBuf};
 
-use super::{
-    Completion, CompletionKind,
-    complete::{FILE, item},
-    spot::Finder,
-};
+use super::{Completion, CompletionKind, complete::item, spot::Finder};
 use crate::{
     scene::{
-        format::{geometry::inside::FIELD_NAMES, scene::Model},
-        locate::{body, items},
+        format::{
+            scene::Model,
+            thing::{Thing, Type},
+        },
+        locate::{Typed, content, parts},
         options::ReadOptions,
     },
-    text::syntax::NodeKind,
+    text::syntax::{NodeId, NodeKind},
 };
 
 /// The number of files that are offered.
@@ -60,27 +59,15 @@ pub struct FileLink {
 
 pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
     let tree = finder.tree;
-    let field = |owner, name: &str| finder.field(owner, name);
-    let root = tree.root();
-    let schema = root.and_then(|root| field(root, "$schema"));
-    let geometries = root.and_then(|root| field(root, Model::LONG));
-    let geometries = geometries.into_iter().flat_map(|list| tree.children(list));
-    let mut tables = Vec::new();
-    let mut next: Vec<_> = geometries.collect();
-    next.reverse();
-    while let Some(item) = next.pop() {
-        let fields = body(tree, item).unwrap_or(item);
-        tables.extend(field(fields, FILE));
-        let inside = FIELD_NAMES.iter().rev();
-        for value in inside.filter_map(|name| field(fields, name)) {
-            let first = next.len();
-            next.extend(items(tree, value));
-            next[first..].reverse();
-        }
+    let mut strings = Vec::new();
+    if let Some(root) = tree.root() {
+        strings.extend(finder.field(root, "$schema"));
+        add_files(finder, (root, Some(Model::of_type())), &mut strings);
     }
     let files = options.tables();
-    let strings = schema.into_iter().chain(tables);
-    let strings = strings.filter(|id| tree.node(*id).kind() == NodeKind::String);
+    let strings = strings
+        .into_iter()
+        .filter(|id| tree.node(*id).kind() == NodeKind::String);
     let links = strings.map(|id| {
         let range = tree.node(id).range();
         let name = finder.name(id).into_owned();
@@ -93,4 +80,17 @@ pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
     });
     // An editor knows the links of the web itself.
     links.filter(|link| !link.name.contains("://")).collect()
+}
+
+/// Adds the values that name files, in the order of the text.
+fn add_files(finder: &Finder, value: Typed, found: &mut Vec<NodeId>) {
+    let inside = content(finder.text, finder.tree, value);
+    match inside.1 {
+        Some(Type::File(_)) => found.push(inside.0),
+        Some(Type::Object(..) | Type::OneOf(_) | Type::List(..)) => {
+            let parts = parts(finder.text, finder.tree, inside);
+            parts.for_each(|(_, part)| add_files(finder, part, found));
+        }
+        _ => {}
+    }
 }
