@@ -27,7 +27,7 @@ use crate::{
         set::Applied,
         source::Source,
         tables::{self, Tables},
-        validate::{self, Aspects, StandIns},
+        validate::{self, Aspects},
     },
     text::{
         nearest::quote,
@@ -111,7 +111,7 @@ impl CheckedModel {
         let has_lights = model.lights.is_some();
         options.additions.to(&mut model);
         let applied = Applied::to(&mut model, &options.settings, syntax);
-        let mut found = Self::unset(model, &StandIns::default(), options, watch);
+        let mut found = Self::unset(model, &[], options, watch);
         let (settings, problems) = applied.placed(found.problems);
         let sort = |faults| sorted(faults, &found.model, &options.levels);
         found.found.settings = settings.into_iter().map(sort).collect();
@@ -122,7 +122,12 @@ impl CheckedModel {
 
     /// Returns the problems of a model and of the tables, parts and meshes that it names, which are
     /// read for this.
-    fn unset(mut model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
+    fn unset(
+        mut model: Model,
+        stand_ins: &[Ordinal],
+        options: &ReadOptions,
+        watch: &Watch,
+    ) -> Self {
         // In a file of another version the names may mean something else.
         let is_known = validate::version(model.version).is_none();
         let (mut has_files, mut has_copies) = (false, false);
@@ -262,7 +267,7 @@ pub(super) fn check(
         let locator = Locator::new(text, tree, &repairs);
         // A fault inside a repair is not reported twice. Settings wait until the scene is complete,
         // and so does the check for visible geometries.
-        let stand_ins = StandIns(locator.stand_ins(&model));
+        let stand_ins = locator.stand_ins(&model);
         let found = CheckedModel::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
         // Without readable materials no name is known.

@@ -150,10 +150,7 @@ fn is_rigid(leaf: &Leaf, changed: &[Ordinal], tables: &Tables) -> bool {
     {
         return false;
     }
-    let first = changed.partition_point(|at| *at < leaf.at);
-    let inner = leaf.at.inner + leaf.geometry.total();
-    let next = changed.get(first);
-    !next.is_some_and(|at| at.index == leaf.at.index && at.inner < inner)
+    !leaf.geometry.is_among(leaf.at, changed)
 }
 
 /// Returns the transforms that place a leaf, from outermost to innermost, if they are valid: those of a

@@ -296,16 +296,14 @@ fn leaves(model: &Model, changed: Vec<Ordinal>) -> Vec<Ordinal> {
     let mut outermost: Vec<RangeInclusive<Ordinal>> = Vec::new();
     for at in &changed {
         if !outermost.last().is_some_and(|last| last.contains(at)) {
-            outermost.extend(model.geometry(*at).map(|geometry| span(*at, geometry)));
+            outermost.extend(model.geometry(*at).map(|geometry| geometry.span(*at)));
         }
     }
     let moves = |leaf: &Leaf| {
-        let inside = span(leaf.at, leaf.geometry);
         let before = outermost.partition_point(|around| around.start() <= &leaf.at);
         let around = before.checked_sub(1).and_then(|last| outermost.get(last));
-        let next = changed.get(changed.partition_point(|at| *at < leaf.at));
         around.is_some_and(|around| around.contains(&leaf.at))
-            || next.is_some_and(|next| inside.contains(next))
+            || leaf.geometry.is_among(leaf.at, &changed)
     };
     let leaves = model.leaves().filter(moves);
     leaves.map(|leaf| leaf.at).collect()
@@ -320,13 +318,7 @@ fn copies(model: &Model) -> Vec<(Ordinal, RangeInclusive<Ordinal>)> {
     let mut prototypes = Prototypes::new(model);
     let copies = lists.into_iter().filter_map(|(at, named)| {
         let of = prototypes.of(named.of, at).ok()?;
-        Some((at, span(of, model.geometry(of)?)))
+        Some((at, model.geometry(of)?.span(of)))
     });
     copies.collect()
-}
-
-/// Returns the numbers of a geometry and of those inside of it.
-fn span(at: Ordinal, geometry: &GeometryModel) -> RangeInclusive<Ordinal> {
-    let inner = at.inner + geometry.total() - 1;
-    at..=Ordinal { inner, ..at }
 }

@@ -1,6 +1,6 @@
 //! Checks of geometries.
 
-use super::{Found, StandIns, both};
+use super::{Found, both};
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
@@ -85,27 +85,24 @@ impl Found {
         duplicates: Duplicates,
         model: &Model,
         framing: &Framing,
-        stand_ins: &StandIns,
+        stand_ins: &[Ordinal],
     ) {
         // A moving geometry separates from its duplicate.
+        let stays = |at, geometry: &GeometryModel| {
+            !geometry.is_among(at, stand_ins) && !framing.moves(model, at)
+        };
         for (first, at) in duplicates.found(model) {
             if self.is_cancelled() {
                 return;
             }
-            let is_whole = |at| {
-                let geometry = model.geometry(at);
-                geometry.is_some_and(|geometry| !stand_ins.has_part_of(at, geometry))
+            let (Some(hiding), Some(geometry)) = (model.geometry(first), model.geometry(at)) else {
+                continue;
             };
-            if !is_whole(first) || !is_whole(at) {
+            if !stays(first, hiding) || !stays(at, geometry) {
                 continue;
             }
-            let geometry = model.geometry(at);
-            let moves = || framing.moves(model, first) || framing.moves(model, at);
-            let Some(geometry) = geometry.filter(|_| !moves()) else {
-                continue;
-            };
             let place = model.path_of(first);
-            let named = model.geometry(first).and_then(GeometryModel::name);
+            let named = hiding.name();
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
             let message = format!("equal to `{place}`{named}, which hides it");
             // Tracks refer to geometries by index, so a removal would shift them.

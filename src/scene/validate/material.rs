@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{Found, StandIns, solid::is_covered};
+use super::{Found, solid::is_covered};
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
@@ -46,7 +46,7 @@ impl Found {
         model: &Model,
         names: &HashSet<&str>,
         (at, is_part): (Ordinal, bool),
-        stand_ins: &StandIns,
+        stand_ins: &[Ordinal],
     ) {
         let surface = geometry.surface();
         self.color_by(geometry, at, model);
@@ -74,7 +74,7 @@ impl Found {
         geometry: &GeometryModel,
         (at, is_part): (Ordinal, bool),
         model: &Model,
-        stand_ins: &StandIns,
+        stand_ins: &[Ordinal],
     ) {
         let is_given = geometry.surface().color.is_some();
         // The rows of a table and the vertices of a mesh in a file may have colors; `tables.rs` and

@@ -55,13 +55,13 @@ pub(crate) struct Aspects<'a> {
 }
 
 /// Returns every problem of a scene, except those that were found in its tables and parts when they
-/// were read. Expensive checks are skipped if their code is allowed. Stand-ins are skipped, as their
-/// faults have been reported.
+/// were read. Expensive checks are skipped if their code is allowed. Stand-ins, given by their numbers in
+/// ascending order, are skipped, as their faults have been reported.
 pub(crate) fn problems(
     model: &Model,
     tables: &Tables,
     aspects: &Aspects,
-    stand_ins: &StandIns,
+    stand_ins: &[Ordinal],
     most: usize,
 ) -> (Vec<Problem>, Tally) {
     let is_part = aspects.is_part;
@@ -132,7 +132,7 @@ pub(crate) fn problems(
         if is_invalid && geometry.transform().is_some() && geometry.part().is_none() {
             found.placement(at, model);
         }
-        if stand_ins.has(at) {
+        if stand_ins.binary_search(&at).is_ok() {
             continue;
         }
         found.geometry(geometry, at, model);
@@ -148,12 +148,11 @@ pub(crate) fn problems(
             }
             _ if geometry.operation().is_some() => {
                 if !is_part {
-                    let inner = at.inner + geometry.total();
-                    parts_until = Ordinal { inner, ..at };
+                    parts_until = at.inside(geometry.total());
                     found.operands(geometry, at, model, &Placement::default());
                 }
                 found.solid(geometry, at, model);
-                if !stand_ins.has_part_of(at, geometry) && !framing.moves(model, at) {
+                if !geometry.is_among(at, stand_ins) && !framing.moves(model, at) {
                     found.empty_solid(geometry, at, model);
                 }
             }
@@ -194,27 +193,6 @@ pub(crate) fn problems(
         found.nothing_visible(model, tables, &framing);
     }
     (found.list, found.tally)
-}
-
-/// The numbers of the geometries that are stand-ins, in ascending order.
-#[derive(Default)]
-pub(crate) struct StandIns(pub(crate) Vec<Ordinal>);
-
-impl StandIns {
-    #[inline]
-    fn has(&self, at: Ordinal) -> bool {
-        self.0.binary_search(&at).is_ok()
-    }
-
-    /// Returns true if a geometry or one inside of it is a stand-in.
-    fn has_part_of(&self, at: Ordinal, geometry: &GeometryModel) -> bool {
-        let next = self.0.partition_point(|stand_in| *stand_in < at);
-        let last = at.inner + geometry.total() - 1;
-        let mut behind = self.0.iter().skip(next);
-        behind
-            .next()
-            .is_some_and(|next| next.index == at.index && next.inner <= last)
-    }
 }
 
 /// The problem of a scene of another version, which is reported alone.

@@ -1,6 +1,6 @@
 //! Checks of solids combined from others.
 
-use super::{Found, StandIns};
+use super::Found;
 use crate::{
     diagnostic::Code,
     scene::{
@@ -113,11 +113,11 @@ fn no_solid(geometry: &GeometryModel) -> Option<String> {
 
 /// Returns true if each part of a solid has a surface, its own or one of a solid around it. One that is
 /// missing or is not a solid has a fault of its own.
-pub(super) fn is_covered(solid: &GeometryModel, at: Ordinal, stand_ins: &StandIns) -> bool {
+pub(super) fn is_covered(solid: &GeometryModel, at: Ordinal, stand_ins: &[Ordinal]) -> bool {
     solid.surface().is_given()
         || solid.children().all(|child| {
             let (operand, at) = (child.geometry, at.inside(child.number));
-            stand_ins.has(at)
+            stand_ins.binary_search(&at).is_ok()
                 || no_solid(operand).is_some()
                 || operand.surface().is_given()
                 || (operand.combination().is_some() && is_covered(operand, at, stand_ins))

@@ -1,5 +1,7 @@
 //! The numbers of geometries in a scene, and the geometries and paths of these numbers.
 
+use std::ops::RangeInclusive;
+
 use crate::{
     diagnostic::path::{Path, Step},
     scene::format::{geometry::GeometryModel, scene::Model, transform::TransformModel},
@@ -27,6 +29,20 @@ impl Ordinal {
             inner: self.inner + number,
             ..self
         }
+    }
+}
+
+impl GeometryModel {
+    /// Returns the numbers of the geometry and of those inside of it, given its own.
+    pub(crate) fn span(&self, at: Ordinal) -> RangeInclusive<Ordinal> {
+        at..=at.inside(self.total() - 1)
+    }
+
+    /// Returns true if the number of the geometry, or of one inside of it, is among some in ascending
+    /// order.
+    pub(crate) fn is_among(&self, at: Ordinal, numbers: &[Ordinal]) -> bool {
+        let next = numbers.get(numbers.partition_point(|number| *number < at));
+        next.is_some_and(|next| self.span(at).contains(next))
     }
 }
 
@@ -85,11 +101,8 @@ impl Model {
 
     /// Returns true if a geometry is inside of another.
     pub(crate) fn holds(&self, around: Ordinal, at: Ordinal) -> bool {
-        let is_behind = around.index == at.index && around.inner < at.inner;
-        is_behind
-            && self
-                .geometry(around)
-                .is_some_and(|around_it| at.inner < around.inner + around_it.total())
+        let is_in = |geometry: &GeometryModel| geometry.span(around).contains(&at);
+        around.index == at.index && around < at && self.geometry(around).is_some_and(is_in)
     }
 
     /// Returns the path of a geometry.
