@@ -6,15 +6,16 @@
 use crate::{
     accel::{
         bvh::{
-            Hierarchy, Tree,
+            Hierarchy,
             build::{Builder, Leaves, Lists},
             frame::{Frame, Hull, Probe},
             split::Item,
             traverse::{OneRay, Seek},
+            tree::Tree,
         },
         pages::Pages,
     },
-    simd::{Isa, Kernel, Simd},
+    simd::{Kernel, Simd, isa::Isa},
     tracer::{
         color::Color,
         geometry::Geometry,

@@ -13,13 +13,16 @@ use std::{
 use crate::tracer::random::Rng;
 use crate::{
     accel::{
-        bvh::Portion,
+        bvh::portion::Portion,
         raster::{bins::Bins, view::ViewKey},
-        shadow::{Casters, Occluders, Toward},
+        shadow::{
+            casters::{Casters, Toward},
+            occluders::Occluders,
+        },
     },
     film::colors::ColorTable,
     parallel::Cancel,
-    tracer::{geometry::Geometry, world::World},
+    tracer::world::World,
 };
 
 /// Below this number of geometries, all is built as soon. Tests use less.
@@ -97,29 +100,6 @@ pub(crate) fn built<S: PartialEq, K: PartialEq, V>(
     let still = slots(kept).get(key, cancel, || build(&kept.still, None))?;
     let moved = build(&kept.moved, Some(&still))?;
     Some(vec![still, moved.into()])
-}
-
-/// Splits runs into pieces of at most this length.
-pub(super) fn pieces(runs: &[Range<usize>], length: usize) -> impl Iterator<Item = Range<usize>> {
-    runs.iter().flat_map(move |run| {
-        let starts = run.clone().step_by(length);
-        starts.map(move |start| start..run.end.min(start + length))
-    })
-}
-
-/// Returns the geometries in runs with their indices.
-pub(crate) fn geometries<'a>(
-    world: &'a World,
-    runs: &'a [Range<usize>],
-) -> impl Iterator<Item = (usize, &'a Geometry)> {
-    runs.iter()
-        .cloned()
-        .flat_map(|run| run.clone().zip(&world.geometries()[run]))
-}
-
-/// Returns the number of geometries in runs.
-pub(super) fn count(runs: &[Range<usize>]) -> usize {
-    runs.iter().map(Range::len).sum()
 }
 
 /// Values that are built once for a key; a slot keeps the last one.

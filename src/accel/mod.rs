@@ -11,6 +11,7 @@
 //! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
+mod index;
 pub(crate) mod instances;
 pub(crate) mod kept;
 pub(crate) mod lanes;
@@ -18,20 +19,15 @@ pub(crate) mod mesh;
 pub(crate) mod pages;
 pub(crate) mod raster;
 mod round;
+pub(crate) mod runs;
 pub(crate) mod shadow;
 
 use glam::DVec3;
 
 use crate::{
-    accel::{
-        bvh::build::Builder,
-        instances::index_copies,
-        mesh::index_mesh,
-        round::{FirstOfEach, Round},
-    },
+    accel::round::{FirstOfEach, Round},
     simd::Simd,
     tracer::{
-        geometry::Geometry,
         ray::{BUNDLE, Bundle},
         shape::{
             Shape,
@@ -39,27 +35,6 @@ use crate::{
         },
     },
 };
-
-/// Gives the shapes of geometries an index, if they may have one.
-pub(crate) fn index_shapes<'a>(
-    geometries: impl IntoIterator<Item = &'a Geometry>,
-    builder: Builder<'_>,
-) {
-    let geometries = geometries.into_iter();
-    geometries.for_each(|geometry| index_shape(geometry.shape(), builder));
-}
-
-fn index_shape(shape: &Shape, builder: Builder<'_>) {
-    if let Some(mesh) = shape.mesh() {
-        index_mesh(mesh, builder);
-    }
-    if let Some(copies) = shape.copies() {
-        copies
-            .shapes()
-            .for_each(|shape| index_shape(shape, builder));
-        index_copies(copies, builder);
-    }
-}
 
 /// Returns the first crossing of each ray of a bundle with a shape.
 pub(crate) fn first_of_each<S: Simd>(

@@ -251,7 +251,7 @@ mod tests {
 
     use super::{FirstOfEach, Round};
     use crate::{
-        simd::Isa,
+        simd::isa::Isa,
         tracer::{
             random::{Rng, cases},
             ray::{BUNDLE, Bundle},

@@ -1,9 +1,8 @@
 //! `strahl completions`: the completion script for a shell.
 
-use clap::CommandFactory;
 use clap_complete::Shell;
 
-use super::{Cli, failure::Failure};
+use super::failure::Failure;
 
 /// Print completions for a shell
 #[derive(clap::Args)]
@@ -13,8 +12,9 @@ pub(crate) struct Args {
     shell: Shell,
 }
 
-pub(crate) fn run(args: Args) -> Result<(), Failure> {
+/// Prints the script for the commands of a command line.
+pub(crate) fn run(args: Args, mut cli: clap::Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "strahl", &mut script);
+    clap_complete::generate(args.shell, &mut cli, "strahl", &mut script);
     super::output::print(&String::from_utf8_lossy(&script))
 }

@@ -2,10 +2,9 @@
 
 use std::{fs, path::PathBuf};
 
-use clap::CommandFactory;
 use strahl::Error;
 
-use super::{Cli, failure::Failure};
+use super::failure::Failure;
 
 /// Write the man pages into a folder
 #[derive(clap::Args)]
@@ -15,8 +14,9 @@ pub(crate) struct Args {
     folder: PathBuf,
 }
 
-pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let made = fs::create_dir_all(&args.folder)
-        .and_then(|()| clap_mangen::generate_to(Cli::command(), &args.folder));
+/// Writes the pages of the commands of a command line.
+pub(crate) fn run(args: Args, cli: clap::Command) -> Result<(), Failure> {
+    let made =
+        fs::create_dir_all(&args.folder).and_then(|()| clap_mangen::generate_to(cli, &args.folder));
     made.map_err(|error| Error::writing_failed(&args.folder, error).into())
 }

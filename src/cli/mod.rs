@@ -54,7 +54,7 @@ use std::{
     time::Instant,
 };
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use self::{failure::Failure, output::for_people};
 
@@ -107,7 +107,7 @@ pub(crate) fn run() -> ExitCode {
             printed.map_err(Failure::stdout)
         }
         Err(mut error) => {
-            suggest::improve(&mut error);
+            suggest::improve(&mut error, Cli::command());
             print_usage(&error);
             return ExitCode::from(2);
         }
@@ -150,15 +150,13 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::New(args) => new::run(args),
         Command::Diff(args) => diff::run(args),
         Command::Explain(args) => explain::run(args),
-        Command::Completions(args) => completions::run(args),
-        Command::Man(args) => man::run(args),
+        Command::Completions(args) => completions::run(args, Cli::command()),
+        Command::Man(args) => man::run(args, Cli::command()),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]

@@ -3,13 +3,10 @@
 use std::{env, path::Path};
 
 use clap::{
-    CommandFactory,
     builder::StyledStr,
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use strahl::Syntax;
-
-use super::Cli;
 
 /// Commands of other programs, each with the one of this program.
 const COMMANDS: &[(&[&str], &str)] = &[
@@ -71,7 +68,7 @@ const OPTIONS: &[(&str, &str, &str)] = &[
 const MOST_VALUES: usize = 20;
 
 /// Adds to an error in the arguments what was probably meant.
-pub(super) fn improve(error: &mut clap::Error) {
+pub(super) fn improve(error: &mut clap::Error, cli: clap::Command) {
     let text = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.clone()),
         _ => None,
@@ -84,7 +81,7 @@ pub(super) fn improve(error: &mut clap::Error) {
         }
         ErrorKind::UnknownArgument => {
             if let Some(name) = text(ContextKind::InvalidArg) {
-                option(error, &name);
+                option(error, &name, cli);
             }
         }
         ErrorKind::InvalidValue => {
@@ -117,8 +114,7 @@ fn command(error: &mut clap::Error, name: &str) {
 }
 
 /// Suggests an option that the command has in place of an unknown one.
-fn option(error: &mut clap::Error, name: &str) {
-    let mut cli = Cli::command();
+fn option(error: &mut clap::Error, name: &str, mut cli: clap::Command) {
     cli.build();
     let command = env::args().nth(1);
     let command = command.and_then(|command| cli.find_subcommand_mut(command));
@@ -152,6 +148,7 @@ mod tests {
     use clap::CommandFactory;
 
     use super::*;
+    use crate::cli::Cli;
 
     #[test]
     fn every_tip_names_what_exists() {

@@ -5,15 +5,14 @@ use std::{
     time::Instant,
 };
 
+use crate::cli::render::args::DrawArgs;
+
 use super::{
     cameras::CameraArgs,
     failure::Failure,
     frame::FrameArgs,
     paths::is_dash,
-    render::{
-        DrawArgs,
-        one::{Order, Plan},
-    },
+    render::one::{Order, Plan},
     rounds::{Round, Rounds, WAITING, print_line},
     scene,
 };

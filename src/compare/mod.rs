@@ -35,11 +35,12 @@ use crate::{
     diagnostic::{error::Error, setters::setters},
     film::size::Size,
     image_file::{
-        self, Sink,
+        self,
+        output::Sink,
         pixel::{Pixel, Sample},
     },
     parallel::{Cancel, Pool},
-    simd::Isa,
+    simd::isa::Isa,
 };
 
 /// The differences between two pictures of the same size.

@@ -1,6 +1,6 @@
 //! Values of a rectangle of pixels, and weighted sums of neighbors.
 
-use crate::simd::{F64x8, Isa, Kernel, LANES, Simd};
+use crate::simd::{F64x8, Kernel, LANES, Simd, isa::Isa};
 
 /// The maximum number of neighbors on each side that a filter uses.
 pub(super) const REACH: usize = 10;

@@ -6,7 +6,7 @@ use crate::{
         plane::{Filter, Plane, Region, Taps},
         values::WHITE,
     },
-    simd::Isa,
+    simd::isa::Isa,
 };
 
 /// The reach of their window of 11 by 11 pixels.

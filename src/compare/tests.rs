@@ -6,7 +6,7 @@ use crate::{
         picture::{Picture, Samples},
     },
     film::size::Size,
-    simd::Isa,
+    simd::isa::Isa,
 };
 
 fn picture(width: u32, height: u32, mut of: impl FnMut(i32, i32) -> [u8; 3]) -> Picture {

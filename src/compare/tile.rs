@@ -10,7 +10,7 @@ use crate::{
         tally::Tally,
         values::{Channels, Form, WHITE, delta, same_bits},
     },
-    simd::Isa,
+    simd::isa::Isa,
 };
 
 const WIDTH: usize = 256;

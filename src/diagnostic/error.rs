@@ -74,6 +74,11 @@ impl Error {
         error
     }
 
+    /// Creates the error for a request that cannot be met.
+    pub(crate) fn refused(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Usage, message)
+    }
+
     /// Creates the error of an invalid option.
     pub(crate) fn usage(fault: Diagnostic) -> Self {
         let mut error = Self::new(ErrorKind::Usage, &*fault.message);

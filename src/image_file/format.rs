@@ -7,11 +7,11 @@ use std::{
 };
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Content, Draw, Form, Format, ImageFormat,
-        output::Output,
+        Compression, Content, Form, Format, ImageFormat,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
     },
 };
@@ -95,7 +95,7 @@ impl ImageFormat {
             let endings = Self::ALL.iter().flat_map(|format| format.endings());
             let known: Vec<_> = endings.map(|ending| format!(".{ending}")).collect();
             let message = format!("{what}; supported formats: {}", known.join(", "));
-            Error::new(ErrorKind::Usage, message).at(path)
+            Error::refused(message).at(path)
         })
     }
 
@@ -136,7 +136,7 @@ impl ImageFormat {
         if !self.holds(pixel) {
             return Err(cannot_hold_pixel(self, pixel));
         }
-        let refuse = |message| Err(Error::new(ErrorKind::Usage, message));
+        let refuse = |message| Err(Error::refused(message));
         let name = self.name();
         if let Some(limit) = (self.0.exceeded)(size, pixel) {
             let message = format!("a picture of {size} does not fit: {name} files have {limit}");
@@ -231,7 +231,7 @@ pub(crate) fn cannot_hold(
     } else {
         format!("{message}; supported by {known}")
     };
-    Error::new(ErrorKind::Usage, message)
+    Error::refused(message)
 }
 
 /// Returns the names of the selected formats.
@@ -244,7 +244,10 @@ fn names(are: impl Fn(ImageFormat) -> bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image_file::{Encoding, pixel::Channel};
+    use crate::{
+        diagnostic::error::ErrorKind,
+        image_file::{Encoding, pixel::Channel},
+    };
 
     const RGB: Pixel = Pixel::Rgb(Sample::U8);
 

@@ -7,8 +7,8 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Content, Draw, Encoding, Form, Format, ImageFormat,
-        output::Output,
+        Content, Encoding, Form, Format, ImageFormat,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
         runs::{ByteRun, runs},
     },

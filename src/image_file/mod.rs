@@ -37,7 +37,7 @@ use crate::{
     },
     film::size::Size,
     image_file::{
-        output::Output,
+        output::{Draw, Output, Sink},
         pixel::{Pixel, Sample},
         target::Target,
     },
@@ -222,13 +222,6 @@ impl<'a> Form<'a> {
         }
     }
 }
-
-/// A function that takes a picture in whole rows of bytes.
-pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
-
-/// A function that passes a picture to a sink, in whole rows from the top, with numbers in native
-/// byte order.
-pub(crate) type Draw<'a> = &'a mut dyn FnMut(Sink) -> Result<(), Error>;
 
 /// Writes a picture of 8-bit RGB to a file, whole or not at all. The file extension determines the
 /// format.

@@ -5,9 +5,9 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Content, Draw, Form, Format, ImageFormat,
+        Content, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
-        output::Output,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
     },
 };

@@ -12,10 +12,10 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Content, Draw, Form, Format, ImageFormat,
+        Content, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
         npy,
-        output::{Output, WriteSeek},
+        output::{Draw, Output, WriteSeek},
         pixel::{Array, Pixel, Sample},
     },
 };

@@ -5,7 +5,7 @@ use std::{
     io::{self, BufWriter, Seek, Write},
 };
 
-use crate::{diagnostic::error::Error, image_file::Draw};
+use crate::diagnostic::error::Error;
 
 const BUFFER: usize = 1 << 18;
 
@@ -77,6 +77,13 @@ impl Write for Output<'_> {
         }
     }
 }
+
+/// A function that takes a picture in whole rows of bytes.
+pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
+
+/// A function that passes a picture to a sink, in whole rows from the top, with numbers in native
+/// byte order.
+pub(crate) type Draw<'a> = &'a mut dyn FnMut(Sink) -> Result<(), Error>;
 
 #[cfg(test)]
 mod tests {

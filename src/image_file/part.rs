@@ -17,7 +17,7 @@ use crate::{
         error::{Error, ErrorKind},
         reading::open_file,
     },
-    image_file::{Compression, Sink, deflate},
+    image_file::{Compression, deflate, output::Sink},
 };
 
 const SUM: usize = 32;

@@ -6,9 +6,9 @@ use std::io::SeekFrom;
 use crate::{
     diagnostic::error::Error,
     image_file::{
-        Content, Draw, Form, Format, ImageFormat,
+        Content, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
-        output::Output,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
     },
 };

@@ -3,9 +3,9 @@
 use crate::{
     diagnostic::error::Error,
     image_file::{
-        Draw, Form, Format, ImageFormat,
+        Form, Format, ImageFormat,
         format::cannot_hold_pixel,
-        output::Output,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
     },
 };

@@ -29,10 +29,10 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Content, Draw, Encoding, Form, Format, ImageFormat,
+        Compression, Content, Encoding, Form, Format, ImageFormat,
         deflate::zlib,
         format::cannot_hold_pixel,
-        output::{Output, WriteSeek},
+        output::{Draw, Output, WriteSeek},
         pixel::{Pixel, Sample},
     },
 };
@@ -223,7 +223,7 @@ mod tests {
     use ::tiff::decoder::Decoder;
 
     use super::*;
-    use crate::image_file::Sink;
+    use crate::image_file::output::Sink;
 
     #[test]
     fn a_file_that_may_pass_4_gib_has_offsets_of_64_bits() {

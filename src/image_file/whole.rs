@@ -8,8 +8,8 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Draw, Encoding, Form, buffer,
-        output::Output,
+        Encoding, Form, buffer,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
     },
 };

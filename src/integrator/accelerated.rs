@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use crate::{
     accel::{
         bvh::{Hierarchy, build::Builder},
-        kept::{WorldOfFrame, built, geometries},
+        kept::{WorldOfFrame, built},
+        runs::geometries,
     },
     integrator::direct::Queries,
     tracer::{

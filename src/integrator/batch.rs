@@ -9,13 +9,17 @@ use glam::DVec3;
 use crate::{
     accel::{
         lanes::{dot, splat3, sub, unit},
-        shadow::{Last, Points, Shadowed, Shadows, Toward},
+        shadow::{Last, Points, Shadowed, Shadows, casters::Toward},
     },
     integrator::direct::{Queries, Shadow},
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
-        light::{Falloff, Light, Source, spot::Fading},
+        light::{
+            Light,
+            falloff::{Fading, Falloff},
+            source::Source,
+        },
         radiance::{BLOCK, Bytes, Radiance},
         shape::face::FaceId,
         tone::Tone,

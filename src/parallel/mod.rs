@@ -2,6 +2,7 @@
 
 mod affinity;
 mod in_order;
+pub(crate) mod reader;
 pub(crate) mod timings;
 
 use std::{

@@ -12,7 +12,7 @@ use super::{
     refused,
 };
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
     scene::{
         animation::frames::Frames,
         build,
@@ -223,7 +223,7 @@ impl Scene {
                     count - 1
                 ),
             };
-            return Err(Error::new(ErrorKind::Usage, message));
+            return Err(Error::refused(message));
         }
         match &self.moving {
             None => Ok(self.clone()),

@@ -84,7 +84,7 @@ impl Scene {
         }
         let (top, width) = (crop.row() + rows.start, crop.size().width());
         let band = Crop::new(crop.column(), top, width, rows.end - rows.start);
-        let refused = |error: &dyn ToString| Error::new(ErrorKind::Usage, error.to_string());
+        let refused = |error: &dyn ToString| Error::refused(error.to_string());
         band.map(Some).map_err(|error| refused(&error))
     }
 

@@ -3,7 +3,7 @@
 use std::cell::LazyCell;
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
     film::{
         colors::{self, ColorTable},
         samples::Samples,
@@ -30,7 +30,7 @@ impl Scene {
     ) -> Result<(), Error> {
         if options.palette == Palette::Auto && format.has_palette() && self.mixes_colors() {
             let message = format!("--palette auto is for flat pictures: {MIXED}; leave it out");
-            return Err(Error::new(ErrorKind::Usage, message));
+            return Err(Error::refused(message));
         }
         let layouts = |settings: Settings| -> Vec<_> {
             let layouts = files.clone().map(|layers| {
@@ -92,7 +92,7 @@ impl Scene {
                 };
                 let format = format.name();
                 let message = format!("--{option} has no effect: {format} files{of} {why}");
-                Err(Error::new(ErrorKind::Usage, message))
+                Err(Error::refused(message))
             }
             None => Ok(()),
         }

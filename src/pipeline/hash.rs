@@ -99,7 +99,7 @@ mod tests {
         image_file::{Compression, ImageFormat, Palette},
         parallel::{Cancel, timings::Timings},
         render::layers::Layer,
-        simd::Isa,
+        simd::isa::Isa,
         text::syntax::Syntax,
     };
 

@@ -3,10 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    diagnostic::{
-        error::{Error, ErrorKind},
-        setters::setters,
-    },
+    diagnostic::{error::Error, setters::setters},
     film::{crop::Crop, samples::Samples, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, timings::Timings},
@@ -14,7 +11,7 @@ use crate::{
         Layer,
         layout::{Layout, Settings},
     },
-    simd::Isa,
+    simd::isa::Isa,
 };
 
 /// Render options that override those of the scene.
@@ -170,7 +167,7 @@ impl RenderOptions {
                 [_] => Ok(vec![(path.to_owned(), self.layers.clone())]),
                 _ => {
                     let message = "one output cannot hold the files of several layers";
-                    Err(Error::new(ErrorKind::Usage, message).at(path))
+                    Err(Error::refused(message).at(path))
                 }
             };
         };

@@ -9,7 +9,7 @@ use std::{
 
 use crate::{
     accel::raster::first_hits::Work,
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
     film::{Centers, Film, Image, Wanted, colors::ColorTable, crop::Crop, resolve::Resolver},
     image_file::{
         self, Form, ImageFormat, Palette, cryptomatte,
@@ -203,7 +203,7 @@ impl Scene {
         layers: &[Layer],
         options: &RenderOptions,
         watch: &Watch,
-        write: impl FnOnce(Form, image_file::Draw) -> Result<(), Error>,
+        write: impl FnOnce(Form, image_file::output::Draw) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
         let layout = self.layout(format, layers, options.settings)?;
@@ -251,7 +251,7 @@ impl Scene {
         let pool = Pool::new(options.threads);
         let mut bytes = Vec::new();
         let mut top = crop.rows().start;
-        let mut draw = |sink: image_file::Sink| {
+        let mut draw = |sink: image_file::output::Sink| {
             self.draw(options, watch, aovs, |film| {
                 bytes.clear();
                 match &palette {
@@ -337,7 +337,7 @@ impl Scene {
         let crop = options.crop.unwrap_or(Crop::whole(size));
         match crop.check(size) {
             Ok(()) => Ok(crop),
-            Err(error) => Err(Error::new(ErrorKind::Usage, error.to_string())),
+            Err(error) => Err(Error::refused(error.to_string())),
         }
     }
 

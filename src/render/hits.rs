@@ -8,7 +8,7 @@ use crate::{
     accel::raster::first_hits::{FirstHits, Slab, Work},
     diagnostic::error::Error,
     film::{Centers, Film, samples::Samples, size::Size},
-    simd::{F64x8, Isa, Kernel, LANES, Simd},
+    simd::{F64x8, Kernel, LANES, Simd, isa::Isa},
     tracer::{camera::Camera, ray::Ray},
 };
 

@@ -21,10 +21,10 @@ pub use visibility::Seen;
 
 #[doc(hidden)]
 pub use self::explained::{ExplainedPixel, ExplainedSample};
+pub use crate::simd::isa::Isa;
 #[doc(hidden)]
 pub use crate::{
     film::parts::LightParts,
     integrator::explain::{RayEnd, Shading, ShiningLight, TracedRay, explain},
-    simd::Isa,
     tracer::shape::working::{Term, Working},
 };

@@ -20,7 +20,7 @@ use crate::{
         timings::{Stage, Timings},
     },
     render::shading::Shading,
-    simd::Isa,
+    simd::isa::Isa,
     tracer::{camera::Camera, tone::Tone, world::World},
 };
 

@@ -7,9 +7,10 @@ use std::{
     io::{self, Write},
 };
 
-use super::{FileReport, Report, Summary, summary::counted, summary::with_use};
+use super::summary::{counted, with_use};
 use crate::{
     diagnostic::{Diagnostic, Severity, plain::paragraph},
+    report::{file::FileReport, reporter::Report, summary::Summary},
     text::{
         lines::{LineRange, Lines},
         sanitize::sanitize,

@@ -11,11 +11,15 @@ use annotate_snippets::{
     renderer::{DEFAULT_LINE_NUM_STYLE, DecorStyle},
 };
 
-use super::{FileReport, Report, Style, Summary, UsedBy, excerpt::width};
-use crate::text::sanitize::sanitize;
+use super::excerpt::width;
 use crate::{
     diagnostic::{Code, Diagnostic, Severity},
-    text::lines::Lines,
+    report::{
+        file::{FileReport, UsedBy},
+        reporter::{Report, Style},
+        summary::Summary,
+    },
+    text::{lines::Lines, sanitize::sanitize},
 };
 
 mod drawing;

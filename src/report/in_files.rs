@@ -2,9 +2,13 @@
 
 use std::io;
 
-use super::{FileReport, Report, Summary, UsedBy};
 use crate::{
     diagnostic::{Diagnostic, InFile, plain::own},
+    report::{
+        file::{FileReport, UsedBy},
+        reporter::Report,
+        summary::Summary,
+    },
     text::lines::Position,
 };
 

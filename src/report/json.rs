@@ -8,9 +8,13 @@ use std::{
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-use super::{FileReport, Report, Summary, UsedBy};
 use crate::{
     diagnostic::Diagnostic,
+    report::{
+        file::{FileReport, UsedBy},
+        reporter::Report,
+        summary::Summary,
+    },
     text::{
         edit::Edit,
         lines::{LineRange, Lines},

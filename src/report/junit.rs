@@ -8,9 +8,10 @@ use std::{
     time::Duration,
 };
 
-use super::{FileReport, Report, Summary, summary::with_use};
+use super::summary::with_use;
 use crate::{
     diagnostic::{Severity, plain::paragraph},
+    report::{file::FileReport, reporter::Report, summary::Summary},
     text::sanitize::sanitize,
 };
 

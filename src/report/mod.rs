@@ -5,35 +5,29 @@
 //! [`OutputFormat::Github`].
 
 mod excerpt;
+mod file;
 mod github;
 mod human;
 mod in_files;
 mod json;
 mod junit;
 mod option_faults;
+mod reporter;
 mod sarif;
 mod short;
 mod summary;
 
-use std::{
-    fmt,
-    io::{self, Write},
-    path::Path,
-    time::Duration,
-};
+use std::io::Write;
 
 pub use crate::diagnostic::Suppressed;
+pub use file::{FileReport, UsedBy};
 use in_files::InFiles;
 pub use junit::{JunitFailure, JunitWriter, escaped};
 use option_faults::OfOptions;
+pub use reporter::{Describe, Report, Style};
 pub use summary::{Summary, limit};
 
-use serde::Serialize;
-
-use crate::{
-    diagnostic::{Code, Diagnostic, named::named},
-    text::{lines::Lines, sanitize::sanitize},
-};
+use crate::diagnostic::named::named;
 
 /// Returns the URI of a file, relative if its path is.
 ///
@@ -67,103 +61,6 @@ named! {
         /// JUnit XML, for services that show test results: one test per file.
         Junit = "junit",
     }
-}
-
-/// The style of [`OutputFormat::Human`]; the other formats look the same everywhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Style {
-    /// True to write ANSI colors.
-    pub color: bool,
-    /// The number of columns of the terminal; at least 40 are assumed.
-    pub width: usize,
-}
-
-impl Default for Style {
-    /// Returns the style for a file or a pipe: no color, 100 columns.
-    fn default() -> Self {
-        Self {
-            color: false,
-            width: 100,
-        }
-    }
-}
-
-/// A file and its diagnostics.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FileReport<'a> {
-    /// The file name as given; `<stdin>` for standard input.
-    pub file: &'a str,
-    /// The path of the file, if its name is not text: URIs hold its bytes.
-    pub path: Option<&'a Path>,
-    /// The text that the ranges of the diagnostics refer to; empty if it could not be read.
-    pub text: &'a str,
-    /// The number of lines before the text, if the text is a part of the file.
-    pub lines_before: usize,
-    /// The option that contains the text, such as `--set camera.fov`, if the text belongs to an
-    /// option for this file and not to the file. People see the option, tools the start of the
-    /// file.
-    pub option: Option<&'a str>,
-    /// The diagnostics, in the order to write them.
-    pub diagnostics: &'a [Diagnostic],
-    /// The numbers of diagnostics not listed in `diagnostics`.
-    pub suppressed: Suppressed,
-    /// The time for reading and checking the file.
-    pub time: Duration,
-    /// The place that names the file, if the report is about a file that a scene names.
-    pub used_by: Option<UsedBy<'a>>,
-}
-
-/// A place that names a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct UsedBy<'a> {
-    /// The name of the scene or the part.
-    pub file: &'a str,
-    /// The line, from 1.
-    pub line: usize,
-    /// The column in Unicode scalar values, from 1.
-    pub column: usize,
-}
-
-impl fmt::Display for UsedBy<'_> {
-    /// Writes `used by scene.ron:3:20`.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { file, line, column } = self;
-        write!(f, "used by {}:{line}:{column}", sanitize(file))
-    }
-}
-
-impl<'a> FileReport<'a> {
-    /// Returns the lines of the diagnostics. A file without any is not searched, however large.
-    fn lines(&self) -> Lines<'a> {
-        let text = if self.diagnostics.is_empty() {
-            ""
-        } else {
-            self.text
-        };
-        Lines::after(self.lines_before, text)
-    }
-}
-
-/// A function that returns the page of a code, in Markdown. Its first paragraph explains the code
-/// in one sentence, the second one adds details.
-pub type Describe = fn(Code) -> &'static str;
-
-/// A writer of diagnostics in one format.
-pub trait Report {
-    /// Writes the diagnostics of a file. Files without any must be passed too: some formats count
-    /// them.
-    ///
-    /// # Errors
-    ///
-    /// Fails if the writer fails.
-    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()>;
-
-    /// Writes the end of the report and flushes the writer.
-    ///
-    /// # Errors
-    ///
-    /// Fails if the writer fails.
-    fn finish(self: Box<Self>, summary: &Summary) -> io::Result<()>;
 }
 
 /// Creates the reporter for a format. It writes to `out` in many small pieces, so `out` should be

@@ -2,8 +2,11 @@
 
 use std::io;
 
-use super::{FileReport, Report, Summary};
-use crate::{diagnostic::Diagnostic, text::lines::Position};
+use crate::{
+    diagnostic::Diagnostic,
+    report::{file::FileReport, reporter::Report, summary::Summary},
+    text::lines::Position,
+};
 
 /// A reporter that places the faults of an option at the start of the file that the option is for.
 pub(super) struct OfOptions<'w>(pub(super) Box<dyn Report + 'w>);

@@ -12,12 +12,16 @@ use std::{
 use serde::Serialize;
 
 use super::{
-    Describe, FileReport, Report, Summary, Suppressed, UsedBy,
     json::{JsonList, write_value},
     summary::counted,
 };
 use crate::{
-    diagnostic::{Code, Diagnostic, explain::page_url},
+    diagnostic::{Code, Diagnostic, Suppressed, explain::page_url},
+    report::{
+        file::{FileReport, UsedBy},
+        reporter::{Describe, Report},
+        summary::Summary,
+    },
     text::lines::{LineRange, Lines},
 };
 

@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::plain::line,
+    report::{file::FileReport, reporter::Report, summary::Summary},
     text::{lines::LineRange, sanitize::sanitize},
 };
 

@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::diagnostic::{Diagnostic, Severity, Suppressed};
-use crate::report::{FileReport, UsedBy};
+use crate::{
+    diagnostic::{Diagnostic, Severity, Suppressed},
+    report::file::{FileReport, UsedBy},
+};
 
 impl fmt::Display for Suppressed {
     /// Writes `… and 37 more errors, 2 more warnings in this file`.

@@ -6,14 +6,15 @@ use crate::{
     diagnostic::setters::setters,
     scene::{
         format::{
-            camera::{CameraModel, UP},
-            field::Triple,
+            camera::CameraModel,
             fit::{
                 FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
             },
             light::{HeadlightLightModel, LightModel},
+            numbers::Triple,
             outlines::OutlinesModel,
             scene::Model,
+            sight::UP,
         },
         options::ReadOptions,
         path::{self, PathPart},

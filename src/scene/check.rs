@@ -23,7 +23,7 @@ use crate::{
         part::{Needs, PartCache},
         problem::{Focus, Problem, Tally},
         read::{self, LARGE},
-        recover::{self, Recovered, Repairs},
+        recover::{self, Recovered, text::Repairs},
         set::Applied,
         source::Source,
         tables::{self, Tables},

@@ -14,7 +14,10 @@ use crate::{
             thing::{Thing, Type},
         },
         problem::{Cure, Focus, Problem},
-        recover::{Repairs, fix::removal, name_of},
+        recover::{
+            fix::removal,
+            text::{Repairs, name_of},
+        },
     },
     text::{
         edit::Edit,

@@ -45,11 +45,12 @@ pub(crate) mod view;
 pub(crate) mod tests;
 
 pub use crate::data::table::row_cells::RowCells;
-pub use crate::tracer::colormap::scale::ColorScale;
-pub use assist::{
-    ColorPlace, Completion, CompletionKind, Completions, Cuts, Elements, Excerpt, FileLink, Fold,
-    Hover, Name, NameKind, Symbol, SymbolKind,
+pub use crate::scene::assist::{
+    completion::{ColorPlace, Completion, CompletionKind, Completions, Hover},
+    names::{Name, NameKind},
 };
+pub use crate::tracer::colormap::scale::ColorScale;
+pub use assist::{Cuts, Elements, Excerpt, FileLink, Fold, Symbol, SymbolKind};
 pub use convert::{Converted, LostComments};
 pub use document::Dependency;
 pub use files::{Content, Disk, Files, Memory};

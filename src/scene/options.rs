@@ -1,14 +1,14 @@
 //! Options for reading a scene.
 
 use std::{
-    io::{self, Read, Seek, SeekFrom},
+    io::Read,
     path::{Component, Path, PathBuf},
     sync::Arc,
 };
 
 use crate::{
     diagnostic::{levels::Levels, setters::setters},
-    parallel::{Cancel, Pool},
+    parallel::{Cancel, Pool, reader::UntilCancelled},
     scene::{
         additions::Additions,
         files::{Disk, Files, Folder, without_detours},
@@ -235,37 +235,6 @@ impl ReadOptions {
 
     /// Returns a reader that fails once reading should stop.
     pub(crate) fn until_cancelled<R: Read>(&self, reader: R) -> UntilCancelled<R> {
-        UntilCancelled {
-            reader,
-            cancel: self.cancel.clone(),
-        }
-    }
-}
-
-/// A reader that fails once it is cancelled.
-pub(crate) struct UntilCancelled<R> {
-    reader: R,
-    cancel: Option<Cancel>,
-}
-
-impl<R> UntilCancelled<R> {
-    pub(crate) fn new(reader: R, cancel: &Cancel) -> Self {
-        let cancel = Some(cancel.clone());
-        Self { reader, cancel }
-    }
-}
-
-impl<R: Seek> Seek for UntilCancelled<R> {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.reader.seek(to)
-    }
-}
-
-impl<R: Read> Read for UntilCancelled<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if let Some(cancel) = &self.cancel {
-            cancel.check().map_err(io::Error::other)?;
-        }
-        self.reader.read(buffer)
+        UntilCancelled::new(reader, self.canceller())
     }
 }

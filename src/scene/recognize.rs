@@ -3,7 +3,7 @@
 use std::{borrow::Cow, iter, ops::Range};
 
 use crate::{
-    scene::{format::scene::Model, recover, source::Source},
+    scene::{format::scene::Model, recover::text::name_of, source::Source},
     text::{
         nearest::nearest,
         stamp,
@@ -24,7 +24,7 @@ impl Source {
     fn names(&self) -> impl Iterator<Item = (NodeId, Cow<'_, str>)> {
         let (text, tree) = (self.text(), self.tree());
         let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
-        fields.map(move |(key, _)| (key, recover::name_of(text, tree, key)))
+        fields.map(move |(key, _)| (key, name_of(text, tree, key)))
     }
 
     /// Returns the place of the stamp that starts every JSON object written by this program, if

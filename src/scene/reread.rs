@@ -7,11 +7,8 @@ use crate::{
     data::table::{
         Defaults, Format, Request, Table, kind::RowKind, left_out::LeftOut, row_cells::RowCells,
     },
-    parallel::Cancel,
-    scene::{
-        files::{Files, Stamp},
-        options::{ReadOptions, UntilCancelled},
-    },
+    parallel::{Cancel, reader::UntilCancelled},
+    scene::files::{Files, Stamp},
 };
 
 /// The table that rows of a scene come from.
@@ -64,9 +61,8 @@ impl TableFile {
         path: PathBuf,
         format: Format,
         request: &Request<'_>,
-        options: &ReadOptions,
+        files: Arc<dyn Files>,
     ) -> Option<Self> {
-        let files = options.shared_files();
         Some(Self {
             stamp: files.open(&path).ok()?.stamp()?,
             files,
@@ -90,7 +86,7 @@ impl TableFile {
             array: self.array.as_deref(),
             value: None,
         };
-        let reader = UntilCancelled::new(content, cancel);
+        let reader = UntilCancelled::new(content, Some(cancel));
         RowCells::read(reader, stamp.length, self.format, &request, row).ok()
     }
 }

@@ -268,7 +268,7 @@ fn open(
         array: named.array,
     };
     let file = path.ok();
-    let file = file.and_then(|path| TableFile::new(path, format, &request, options));
+    let file = file.and_then(|path| TableFile::new(path, format, &request, options.shared_files()));
     let content = options.until_cancelled(content);
     let read = Table::read(content, length, format, &request, |length| {
         options.pool(length)

@@ -6,9 +6,9 @@ use crate::{
     diagnostic::{error::Error, named::named},
     scene::{
         document::Document, format::scene::Model, locate::items, options::ReadOptions,
-        recover::name_of, source::Source,
+        recover::text::name_of, source::Source,
     },
-    session::{Checked, refused},
+    session::checked::Checked,
     text::{
         edit::Edit,
         syntax::{NodeId, Syntax},
@@ -86,7 +86,7 @@ impl Checked {
         let mut samples = list.samples(syntax).iter();
         let (_, sample) = samples
             .find(|(name, _)| name == variant)
-            .ok_or_else(|| refused("this cannot be added"))?;
+            .ok_or_else(|| Error::refused("this cannot be added"))?;
         let part = match list {
             PartList::Cameras => format!("{:?}: {sample}", self.new_camera()),
             _ => sample.clone(),
@@ -97,7 +97,7 @@ impl Checked {
         let (text, tree) = (self.document.text(), self.document.source().tree());
         let (key, _) = self
             .field(Model::LONG)
-            .ok_or_else(|| refused("the scene has no list of geometries"))?;
+            .ok_or_else(|| Error::refused("the scene has no list of geometries"))?;
         let start = tree.node(key).range().start;
         let indent =
             indent(text, start).map_or_else(|| " ".to_owned(), |indent| format!("\n{indent}"));

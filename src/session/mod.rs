@@ -3,6 +3,7 @@
 
 mod additions;
 mod camera;
+mod checked;
 mod magnified;
 mod moves;
 mod outline;
@@ -14,14 +15,15 @@ mod turns;
 mod view;
 
 use std::{
-    fmt, fs, io, mem,
+    fmt, io, mem,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant, SystemTime},
+    time::{Instant, SystemTime},
 };
 
 pub use additions::PartList;
 pub use camera::Motion;
+pub use checked::{Checked, Ready};
 pub use parts::ScenePart;
 pub use turns::Turns;
 pub use view::{Quality, Seen, View};
@@ -33,9 +35,6 @@ use crate::{
     scene::{document::Document, options::ReadOptions},
     text::edit::{self, Edit},
 };
-
-/// How much too early a file system may tell that a file was modified.
-const COARSE: Duration = Duration::from_millis(20);
 
 /// A scene that is edited.
 ///
@@ -68,71 +67,6 @@ pub struct Draft {
     pub version: u64,
     /// The text.
     pub text: Arc<str>,
-}
-
-/// The result of a check.
-#[derive(Debug)]
-pub struct Checked {
-    began: (Instant, SystemTime),
-    version: u64,
-    revision: u64,
-    document: Document,
-    files: Vec<PathBuf>,
-    scene: Option<Ready>,
-    is_broken: bool,
-}
-
-/// The last scene without errors.
-#[derive(Clone, Debug)]
-pub struct Ready {
-    /// The first revision with the same pictures: that of a text with another comment stays.
-    pub revision: u64,
-    /// The scene.
-    pub scene: Arc<Scene>,
-}
-
-impl Checked {
-    /// The time at which the check began: the files were read later.
-    pub const fn began(&self) -> Instant {
-        self.began.0
-    }
-
-    /// Returns true if a file may have been modified or replaced since the check began, as far as the
-    /// file system tells.
-    pub fn may_precede(&self, file: &Path) -> bool {
-        let changed = fs::metadata(file).and_then(|file| changed(&file));
-        changed.is_ok_and(|time| time + COARSE >= self.began.1)
-    }
-
-    /// The version of the text.
-    pub const fn version(&self) -> u64 {
-        self.version
-    }
-
-    /// The number of checks before this one that were not cancelled.
-    pub const fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    /// The text with its diagnostics.
-    pub const fn document(&self) -> &Document {
-        &self.document
-    }
-
-    /// The paths of the files that the scene depends on: tables, and parts with theirs.
-    pub fn files(&self) -> &[PathBuf] {
-        &self.files
-    }
-
-    /// Returns the scene of this text, or the last one before it without errors.
-    pub const fn scene(&self) -> Option<&Ready> {
-        self.scene.as_ref()
-    }
-
-    /// Returns true if the text has errors, so that [`Checked::scene`] is of an earlier one.
-    pub const fn is_broken(&self) -> bool {
-        self.is_broken
-    }
 }
 
 type OnChecked = dyn FnMut(Arc<Checked>) + Send;
@@ -395,27 +329,6 @@ impl Drop for Session {
         state.is_closed = true;
         state.cancel.cancel();
     }
-}
-
-/// Returns the time at which the content of a file was modified or got its name.
-#[cfg(unix)]
-fn changed(file: &fs::Metadata) -> io::Result<SystemTime> {
-    use std::os::unix::fs::MetadataExt;
-    let seconds = Duration::from_secs(file.ctime().try_into().unwrap_or(0));
-    let part = Duration::from_nanos(file.ctime_nsec().try_into().unwrap_or(0));
-    Ok(file
-        .modified()?
-        .max(SystemTime::UNIX_EPOCH + seconds + part))
-}
-
-#[cfg(not(unix))]
-fn changed(file: &fs::Metadata) -> io::Result<SystemTime> {
-    file.modified()
-}
-
-/// Returns the error for a request that cannot be met.
-fn refused(message: impl Into<String>) -> Error {
-    Error::new(ErrorKind::Usage, message)
 }
 
 /// The folder of a scene file, where its tables are.

@@ -12,9 +12,8 @@ use crate::{
         origin::Origin,
     },
     session::{
-        Checked,
         camera::Motion,
-        refused,
+        checked::Checked,
         rewrite::Rewrite,
         view::{View, pivot},
     },
@@ -40,14 +39,14 @@ impl Checked {
         let camera = *before.camera();
         let pivot = pivot(&before);
         let moved = view.motion.of(&camera, pivot);
-        let (moved, after) = moved.map_err(|error| refused(error.to_string()))?;
+        let (moved, after) = moved.map_err(|error| Error::refused(error.to_string()))?;
         let path = view.path_of_camera(scene);
         let distance = (moved.eye() - after).length();
         let mut rewrite = Rewrite::new(&self.document);
         if before.is_framed() {
             let Motion { pan, dolly, .. } = view.motion;
             if pan != [0.0; 2] || dolly != 0.0 {
-                return Err(refused(
+                return Err(Error::refused(
                     "the camera is a `Fit`, which frames all geometries and can only turn; \
                      `strahl convert --explicit-camera` gives it an eye",
                 ));
@@ -90,7 +89,7 @@ impl Checked {
         let scene = self.current()?;
         let before = view.before_motion(scene)?;
         if before.is_framed() {
-            return Err(refused(
+            return Err(Error::refused(
                 "the camera is a `Fit`, which frames all geometries",
             ));
         }
@@ -138,7 +137,7 @@ impl Checked {
         let Some((first, _)) = found.first() else {
             let message = "only a geometry whose place is in the text can be moved, not a table, a part or a \
                  group";
-            return Err(refused(message));
+            return Err(Error::refused(message));
         };
         let first_of_world = scene.indices(geometry).start;
         let shape = scene.world().geometries().get(first_of_world);
@@ -160,7 +159,7 @@ impl Checked {
     fn current(&self) -> Result<&Scene, Error> {
         match &self.scene {
             Some(ready) if !self.is_broken() => Ok(&ready.scene),
-            _ => Err(refused("the scene has errors")),
+            _ => Err(Error::refused("the scene has errors")),
         }
     }
 }

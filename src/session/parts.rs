@@ -8,7 +8,7 @@ use crate::{
         assist::{Symbol, SymbolKind},
         source::Source,
     },
-    session::{Checked, additions::PartList, refused},
+    session::{additions::PartList, checked::Checked},
     text::{edit::Edit, syntax::Syntax},
 };
 
@@ -79,7 +79,7 @@ impl Checked {
     pub fn hide_or_show(&self, offset: usize) -> Result<Vec<Edit>, Error> {
         let mut parts = self.parts().into_iter();
         let part = parts.find(|part| part.range.start == offset && part.kind != SymbolKind::Camera);
-        let part = part.ok_or_else(|| refused("a light or a geometry can be hidden"))?;
+        let part = part.ok_or_else(|| Error::refused("a light or a geometry can be hidden"))?;
         let Range { start, end } = part.range;
         let [open, close] = HIDDEN;
         if part.is_hidden {
@@ -89,14 +89,14 @@ impl Checked {
             ]);
         }
         if self.document.syntax() == Syntax::Json {
-            return Err(refused(
+            return Err(Error::refused(
                 "nothing can be hidden in JSON, which has no comments; RON has",
             ));
         }
         let end = self.comma_after(end).unwrap_or(end);
         let text = self.document.text().get(start..end).unwrap_or_default();
         if text.matches("/*").count() != text.matches("*/").count() {
-            return Err(refused(
+            return Err(Error::refused(
                 "a text with half a comment cannot be hidden in one",
             ));
         }

@@ -5,7 +5,6 @@ use glam::DVec3;
 use crate::{
     diagnostic::{Path, error::Error},
     scene::{document::Document, locate::range_of},
-    session::refused,
     text::{edit::Edit, syntax},
 };
 
@@ -47,7 +46,7 @@ impl<'a> Rewrite<'a> {
         let range = self.range(path).filter(|_| self.read(path) == Some(old));
         let range = range.ok_or_else(|| {
             let why = "not a number of the text, or an animation or an option changes it";
-            refused(format!("`{path}` cannot be written: {why}"))
+            Error::refused(format!("`{path}` cannot be written: {why}"))
         })?;
         let text = rounded(new, finest);
         if text != rounded(old, finest) {

@@ -4,7 +4,7 @@ use std::sync::{Arc, mpsc};
 
 use crate::{
     scene::options::ReadOptions,
-    session::{Checked, Session},
+    session::{Session, checked::Checked},
     text::{
         edit::{Edit, apply},
         syntax::Syntax,

@@ -13,7 +13,7 @@ use crate::{
     pipeline::{Scene, options::RenderOptions},
     render::layers::Layer,
     scene::origin::Origin,
-    session::{camera::Motion, outline::outline, refused},
+    session::{camera::Motion, outline::outline},
     tracer::{hit::Hit, ray::Ray, tone::Tone},
 };
 
@@ -71,7 +71,7 @@ impl View {
         }
         let pivot = pivot(&scene);
         let moved = self.motion.of(scene.camera(), pivot);
-        let (camera, _) = moved.map_err(|error| refused(error.to_string()))?;
+        let (camera, _) = moved.map_err(|error| Error::refused(error.to_string()))?;
         Ok(scene.seen_by(camera))
     }
 
@@ -205,7 +205,7 @@ fn options(cancel: &Cancel) -> RenderOptions {
 fn coarse(size: Size) -> Result<Size, Error> {
     let quarter = |side: u32| side.div_ceil(4);
     let size = Size::new(quarter(size.width()), quarter(size.height()));
-    size.map_err(|error| refused(error.to_string()))
+    size.map_err(|error| Error::refused(error.to_string()))
 }
 
 impl Scene {

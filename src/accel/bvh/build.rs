@@ -5,14 +5,14 @@ use std::mem;
 use crate::{
     accel::{
         bvh::{
-            DEPTH, Tree,
             node::{Leaf, Link, Node},
             split::{Bounds, Halves, Item, Split, Surround},
+            tree::{DEPTH, Tree},
         },
         pages::Pages,
     },
     parallel::{Cancel, Pool},
-    simd::{Isa, LANES},
+    simd::{LANES, isa::Isa},
     tracer::geometry::Geometry,
 };
 

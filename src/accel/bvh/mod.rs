@@ -3,39 +3,35 @@
 pub(crate) mod build;
 pub(crate) mod frame;
 pub(crate) mod node;
+pub(crate) mod portion;
 #[cfg(test)]
 mod properties;
 pub(crate) mod split;
 pub(crate) mod traverse;
+pub(crate) mod tree;
 mod walk;
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
 use crate::{
     accel::{
         bvh::{
-            build::{Builder, Lists},
-            frame::{Frame, Hull},
-            node::{Leaf, Link, LinkTarget, Node},
-            split::Item,
+            build::Builder,
+            portion::{Portion, Shapes},
             walk::{Crossings, Nearest, Walk},
         },
-        index_shapes,
-        kept::{self, WorldOfFrame, built, count},
-        pages::Pages,
+        index::index_shapes,
+        kept::{WorldOfFrame, built},
+        runs::geometries,
     },
     diagnostic::error::Error,
     parallel::Pool,
-    simd::{Isa, LANES},
+    simd::isa::Isa,
     tracer::{
-        geometry::Geometry,
         hit::Hit,
         radiance::Radiance,
         ray::Ray,
-        shape::{
-            face::{Crossing, FaceId},
-            sphere::Sphere,
-        },
+        shape::face::{Crossing, FaceId},
         world::World,
     },
 };
@@ -75,74 +71,6 @@ pub(crate) struct Hierarchy {
     /// The geometries of all portions that are tested by the plain loop, in ascending order.
     apart: Vec<usize>,
     portions: Vec<Arc<Portion>>,
-}
-
-/// Some geometries of a world.
-#[derive(Clone, Debug)]
-pub(crate) struct Portion {
-    /// The geometries tested by the plain loop: planes, and those outside of the frame.
-    apart: Vec<usize>,
-    shapes: Option<Shapes>,
-}
-
-/// The largest number of nodes between the root and a leaf.
-const DEPTH: usize = 28;
-
-/// A tree of nodes, whose leaves are elsewhere.
-#[derive(Clone, Debug)]
-pub(crate) struct Tree {
-    nodes: Pages<Node>,
-    root: Link,
-}
-
-/// The bounded shapes of a world.
-#[derive(Clone, Debug)]
-struct Shapes {
-    frame: Frame,
-    tree: Tree,
-    leaves: Vec<Leaf>,
-}
-
-impl Tree {
-    /// Calls `see` with the number of every leaf that may hold a box, and returns once it has seen all.
-    fn around(&self, [center, half]: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
-        let is_around = |node: &Node, lane: usize| {
-            (0..3).all(|axis| {
-                node.planes[axis][lane] <= center[axis] - half[axis]
-                    && node.planes[axis + 3][lane] >= center[axis] + half[axis]
-            })
-        };
-        let mut links = vec![self.root];
-        while let Some(link) = links.pop() {
-            match link.place() {
-                LinkTarget::Node(number) => {
-                    let node = &self.nodes[number];
-                    let lanes = (0..LANES).filter(|lane| is_around(node, *lane));
-                    links.extend(lanes.map(|lane| node.links[lane]));
-                }
-                LinkTarget::Leaf(number) => see(number),
-            }
-        }
-    }
-}
-
-impl Shapes {
-    /// Returns the sphere in a lane of a leaf.
-    fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
-        self.leaves.get(leaf)?.sphere(lane)
-    }
-
-    /// Calls `see` with the index of every sphere that has the same numbers, and so the same box.
-    fn twins(&self, sphere: &Sphere, mut see: impl FnMut(usize)) {
-        let Some(hull) = Hull::new(&(*sphere).into()) else {
-            return;
-        };
-        self.tree.around(self.frame.hull(&hull), |number| {
-            let leaf = &self.leaves[number];
-            let lanes = (0..LANES).filter(|lane| leaf.sphere(*lane).as_ref() == Some(sphere));
-            lanes.for_each(|lane| see(leaf.index[lane] as usize));
-        });
-    }
 }
 
 impl Bvh {
@@ -201,38 +129,6 @@ impl Bvh {
     }
 }
 
-impl Portion {
-    /// Builds the tree of some geometries. If it is cancelled, all shapes are apart.
-    fn new(world: &World, runs: &[Range<usize>], builder: Builder<'_>) -> Self {
-        let geometries = world.geometries();
-        let some = || kept::geometries(world, runs);
-        index_shapes(some().map(|(_, geometry)| geometry), builder);
-        let hulls = || some().filter_map(inside);
-        // A tree of a single shape, such as a mesh, has no boxes: the plain loop is faster.
-        let second = hulls().nth(1);
-        let frame = second.and_then(|_| Frame::around(hulls().map(|(_, hull)| hull)));
-        let shapes = frame.and_then(|frame| {
-            let items = hulls().map(|(index, hull)| {
-                let [center, half] = frame.hull(&hull);
-                Item::new(center, half, index)
-            });
-            let items = Pages::collect(count(runs), items);
-            let (tree, lists) = builder.tree(items, Lists::default())?;
-            let leaves = builder.leaves(&lists, geometries);
-            Some(Shapes {
-                frame,
-                tree,
-                leaves,
-            })
-        });
-        let within = |at: &(usize, &Geometry)| shapes.is_some() && inside(*at).is_some();
-        let mut apart = Vec::new();
-        let others = some().filter(|at| !within(at));
-        others.for_each(|(index, _)| apart.push(index));
-        Self { apart, shapes }
-    }
-}
-
 impl Hierarchy {
     /// Builds the hierarchy of a world, the one that all other methods are to be called with. Frames share
     /// a part of it.
@@ -242,7 +138,11 @@ impl Hierarchy {
             |kept| &kept.portion,
             ((), ()),
             builder.cancel,
-            |runs, _| Some(Portion::new(world.0, runs, builder)),
+            |runs, _| {
+                let some = geometries(world.0, runs).map(|(_, geometry)| geometry);
+                index_shapes(some, builder);
+                Some(Portion::new(world.0, runs, builder))
+            },
         );
         let portions = portions.unwrap_or_default();
         let apart = portions
@@ -317,16 +217,8 @@ impl Hierarchy {
                     nearest.or(Nearest::new(index, t.into()));
                 });
             }
-            nearest = self.isa.run(Walk::<false> {
-                tree: &shapes.tree,
-                leaves: &shapes.leaves,
-                geometries,
-                ray,
-                probe: &probe,
-                nearest,
-                own,
-                glass: None,
-            });
+            let walk = shapes.walk::<false>(geometries, (ray, &probe), nearest, own);
+            nearest = self.isa.run(walk);
         }
         let is_met = nearest.t < t_max;
         is_met.then_some(nearest)
@@ -339,16 +231,8 @@ impl Hierarchy {
         let is_among = |shapes: &Shapes| match shapes.frame.probe(ray) {
             None => world.nearest(ray, t_max, None).is_some(),
             Some(probe) => {
-                let walk = Walk::<true> {
-                    tree: &shapes.tree,
-                    leaves: &shapes.leaves,
-                    geometries,
-                    ray,
-                    probe: &probe,
-                    nearest: Nearest::before(t_max),
-                    own: None,
-                    glass: None,
-                };
+                let nearest = Nearest::before(t_max);
+                let walk = shapes.walk::<true>(geometries, (ray, &probe), nearest, None);
                 self.isa.run(walk).t < t_max
             }
         };
@@ -386,15 +270,10 @@ impl Hierarchy {
                     is_dark |= glass.is_opaque(&geometries[index], index);
                 });
             }
+            let nearest = Nearest::before(t_max);
             let walk = Walk::<true> {
-                tree: &shapes.tree,
-                leaves: &shapes.leaves,
-                geometries,
-                ray,
-                probe: &probe,
-                nearest: Nearest::before(t_max),
-                own: Some(&own),
                 glass: Some(&mut glass),
+                ..shapes.walk(geometries, (ray, &probe), nearest, Some(&own))
             };
             if is_dark || self.isa.run(walk).t < t_max {
                 return Radiance::BLACK;
@@ -412,10 +291,4 @@ impl Hierarchy {
         }
         transmission
     }
-}
-
-/// Returns the index of a geometry and its box; `None` if it cannot be in the tree.
-fn inside((index, geometry): (usize, &Geometry)) -> Option<(u32, Hull)> {
-    let hull = Hull::new(geometry.shape())?;
-    (index <= Item::LAST).then_some((index as u32, hull))
 }

@@ -10,7 +10,7 @@ use crate::{
         kept::Kept,
     },
     parallel::{Cancel, Pool},
-    simd::Isa,
+    simd::isa::Isa,
     tracer::{
         color::Color,
         geometry::Geometry,

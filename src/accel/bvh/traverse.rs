@@ -3,9 +3,9 @@
 
 use crate::{
     accel::bvh::{
-        Tree,
         frame::{Beam, Probe, SMALLEST},
         node::{Link, LinkTarget, Node},
+        tree::Tree,
     },
     simd::{F32x8, LANES, Simd},
 };
@@ -385,7 +385,7 @@ mod tests {
     use super::*;
     use crate::{
         accel::bvh::frame::{Frame, Hull},
-        simd::{Isa, Kernel},
+        simd::{Kernel, isa::Isa},
         tracer::ray::Ray,
     };
 

@@ -4,10 +4,10 @@
 use crate::{
     accel::{
         bvh::{
-            Tree,
             frame::Probe,
             node::Leaf,
             traverse::{OneRay, Seek},
+            tree::Tree,
         },
         lanes::{Divide, dot, first_root, splat3, sub},
     },

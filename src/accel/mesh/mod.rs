@@ -17,11 +17,11 @@ use glam::DVec3;
 use crate::{
     accel::{
         bvh::{
-            Tree,
             build::Builder,
             frame::{Frame, Hull},
             split::Item,
             traverse::{OneRay, Seek},
+            tree::Tree,
         },
         mesh::{
             bundle::FirstOfEach,
@@ -30,7 +30,7 @@ use crate::{
         },
         pages::Pages,
     },
-    simd::{F64x8, Isa, Kernel, LANES, Mask, Simd},
+    simd::{F64x8, Kernel, LANES, Mask, Simd, isa::Isa},
     tracer::{
         ray::{BUNDLE, Bundle},
         shape::{

@@ -10,7 +10,7 @@ use crate::{
         mesh::{Triangles, bundle::FirstOfEach, index_mesh},
     },
     parallel::{Cancel, Pool},
-    simd::Isa,
+    simd::isa::Isa,
     tracer::{
         random::{Rng, cases},
         ray::{BUNDLE, Bundle, Ray},

@@ -1,23 +1,18 @@
 //! Sorting of shapes by the screen tiles in which they may be seen.
 
-use std::{
-    iter,
-    ops::Range,
-    sync::{Arc, OnceLock},
-};
+use std::{iter, ops::Range, sync::OnceLock};
 
 use crate::{
     accel::{
         bvh::build::Builder,
-        index_shapes,
-        kept::{WorldOfFrame, built, pieces},
         raster::{
             footprint::{Footprint, Project, Projected, Region},
             grouping::TILE,
             view::RasterView,
         },
+        runs::pieces,
     },
-    tracer::world::World,
+    tracer::{geometry::Geometry, world::World},
 };
 
 /// Number of geometries that a thread projects per task.
@@ -36,7 +31,7 @@ pub(crate) struct Bins {
     region: Region,
     layout: Layout,
     /// The geometries that are planes, which have no tile.
-    planes: Vec<u32>,
+    pub(super) planes: Vec<u32>,
     /// The footprints of all groups.
     parts: Vec<Projected>,
     groups: Vec<OnceLock<Group>>,
@@ -77,9 +72,6 @@ impl Bins {
         if entries > ENTRIES + geometries.len() as u64 && region.width.max(region.height) > TILE {
             return None;
         }
-        let indexed = parts.iter().flat_map(|part| &part.indexed);
-        let indexed = indexed.filter_map(|index| geometries.get(*index as usize));
-        index_shapes(indexed, builder);
         let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         Some(Self {
             region,
@@ -92,6 +84,12 @@ impl Bins {
         })
     }
 
+    /// Returns the geometries with an index that the region sees.
+    pub(super) fn seen<'a>(&self, world: &'a World) -> impl Iterator<Item = &'a Geometry> {
+        let indexed = self.parts.iter().flat_map(|part| &part.indexed);
+        indexed.filter_map(|index| world.geometries().get(*index as usize))
+    }
+
     /// Returns the number of tile rows.
     fn tiles_down(&self) -> u32 {
         self.region.height.div_ceil(TILE)
@@ -99,7 +97,7 @@ impl Bins {
 
     /// Sorts the group that begins with the row `ahead` of this one, if there is one: this one is
     /// about to be drawn, and once it is, no thread has to wait.
-    fn look_ahead(&self, down: u32) {
+    pub(super) fn look_ahead(&self, down: u32) {
         let down = down + self.ahead;
         if down < self.tiles_down() && down & ((1 << self.shift) - 1) == 0 {
             self.row(down);
@@ -107,7 +105,7 @@ impl Bins {
     }
 
     /// Returns a row of tiles, counted from the top of the region.
-    fn row(&self, down: u32) -> TileRow<'_> {
+    pub(super) fn row(&self, down: u32) -> TileRow<'_> {
         let group = (down >> self.shift) as usize;
         let first = (group << self.shift) as u32;
         let stride = stride(self.region);
@@ -124,67 +122,6 @@ impl Bins {
     }
 }
 
-/// The shapes of a region, in bins of which frames share one.
-pub(super) struct Binned {
-    bins: Vec<Arc<Bins>>,
-    pub(super) region: Region,
-    pub(super) layout: Layout,
-}
-
-impl Binned {
-    /// Bins all geometries that a region sees; `None` as [`Bins::new`].
-    pub(super) fn new(
-        view: &RasterView,
-        world: WorldOfFrame,
-        region: Region,
-        builder: Builder<'_>,
-    ) -> Option<Self> {
-        let key = view.key(region);
-        let bins = built(
-            world,
-            |kept| &kept.bins,
-            key,
-            builder.cancel,
-            |runs, _| Bins::new(view, world.0, runs, region, builder),
-        )?;
-        Some(Self {
-            bins,
-            region,
-            layout: Layout::new(world.0.geometries().len()),
-        })
-    }
-
-    /// Returns the geometries that are planes, in ascending order.
-    pub(super) fn planes(&self) -> Vec<u32> {
-        let planes = self.bins.iter().flat_map(|bins| &bins.planes);
-        let mut planes: Vec<_> = planes.copied().collect();
-        planes.sort_unstable();
-        planes
-    }
-
-    /// Prepares a later row of tiles; see [`Bins::look_ahead`].
-    pub(super) fn look_ahead(&self, down: u32) {
-        self.bins.iter().for_each(|bins| bins.look_ahead(down));
-    }
-
-    /// Returns a row of tiles, counted from the top of the region.
-    pub(super) fn row(&self, down: u32) -> TileRows<'_> {
-        TileRows(self.bins.iter().map(|bins| bins.row(down)).collect())
-    }
-}
-
-/// A row of tiles in all bins.
-pub(super) struct TileRows<'a>(Vec<TileRow<'a>>);
-
-impl TileRows<'_> {
-    /// Sets `entries` to those of a tile, counted from the left of the region.
-    pub(super) fn read(&self, across: u32, entries: &mut Vec<u64>) {
-        entries.clear();
-        let rows = self.0.iter();
-        rows.for_each(|row| entries.extend_from_slice(row.entries(across)));
-    }
-}
-
 /// Returns the distance between the starts of two tile rows: each row ends with an additional,
 /// empty tile.
 fn stride(region: Region) -> usize {
@@ -192,7 +129,7 @@ fn stride(region: Region) -> usize {
 }
 
 /// A row of tiles.
-struct TileRow<'a> {
+pub(super) struct TileRow<'a> {
     /// The start of each tile's entries, and the end of the last.
     starts: &'a [u32],
     entries: &'a [u64],
@@ -200,7 +137,7 @@ struct TileRow<'a> {
 
 impl<'a> TileRow<'a> {
     /// Returns the entries of a tile, counted from the left of the region.
-    fn entries(&self, across: u32) -> &'a [u64] {
+    pub(super) fn entries(&self, across: u32) -> &'a [u64] {
         let across = across as usize;
         &self.entries[self.starts[across] as usize..self.starts[across + 1] as usize]
     }
@@ -361,7 +298,7 @@ pub(super) struct Layout {
 const PIXELS: u32 = 16;
 
 impl Layout {
-    fn new(geometries: usize) -> Self {
+    pub(super) fn new(geometries: usize) -> Self {
         let index = usize::BITS - geometries.leading_zeros();
         Self {
             index: index.clamp(1, u32::BITS),

@@ -7,7 +7,7 @@ use crate::{
         bvh::build::Builder,
         kept::Kept,
         raster::{
-            bins::Binned,
+            binned::Binned,
             footprint::Region,
             grouping::TILE,
             planes::NumberedPlane,
@@ -19,7 +19,7 @@ use crate::{
     diagnostic::error::Error,
     film::{Centers, Film, Piece, Wanted, resolve::Resolver, samples::Samples, size::Size},
     parallel::{Cancel, OnProgress, Pool, timings::SharedWatch},
-    simd::Isa,
+    simd::isa::Isa,
     tracer::{camera::Camera, world::World},
 };
 

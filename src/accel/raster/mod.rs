@@ -6,6 +6,7 @@
 //! the equations in [`rays`]. With several samples per pixel, [`samples`] finds the pixels that see
 //! a single geometry. [`first_hits`] does all of it for a picture.
 
+mod binned;
 pub(crate) mod bins;
 pub(crate) mod first_hits;
 pub(crate) mod footprint;

@@ -24,7 +24,7 @@ use crate::{
         Cancel, Pool,
         timings::{Stage, Timings},
     },
-    simd::{F64x8, Isa, Kernel, LANES, Simd},
+    simd::{F64x8, Kernel, LANES, Simd, isa::Isa},
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,

@@ -11,7 +11,8 @@ use crate::{
         lanes::{bits, first_root},
         prefetch_inside,
         raster::{
-            bins::{Binned, pixels},
+            binned::Binned,
+            bins::pixels,
             grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
             planes::{NumberedPlane, relevant},
             rays::{Parallel, Pinhole, Rays},

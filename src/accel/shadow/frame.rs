@@ -17,10 +17,10 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        kept::{count, pieces},
         lanes::{dot, splat3, sub},
         rounding,
-        shadow::{Casters, Toward},
+        runs::{count, pieces},
+        shadow::casters::{Casters, Toward},
     },
     parallel::Pool,
     simd::{F64x8, Simd},

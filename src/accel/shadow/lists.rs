@@ -4,14 +4,14 @@ use std::{mem, ops::Range};
 
 use crate::{
     accel::{
-        kept::{count, pieces},
+        runs::{count, pieces},
         shadow::{
-            Casters,
+            casters::Casters,
             frame::{Frame, ball, is_ordinary},
         },
     },
     parallel::Pool,
-    simd::{F64x8, Isa, Kernel, LANES, Mask, Simd},
+    simd::{F64x8, Kernel, LANES, Mask, Simd, isa::Isa},
     tracer::{geometry::Geometry, world::World},
 };
 

@@ -8,7 +8,8 @@ use crate::{
         lanes::{Divide, bits, dot, splat3, sub},
         prefetch_inside,
         shadow::{
-            Casting, FoundShadows, Points, Toward,
+            Casting, FoundShadows, Points,
+            casters::Toward,
             lists::{Eight, Lists},
         },
     },

@@ -4,13 +4,15 @@
 //! [`lists`] finds the shapes that may shadow the points of a tile. [`meet`] tests these shapes, by
 //! the equations of the format.
 
+pub(crate) mod casters;
 mod frame;
 mod lists;
 mod meet;
+pub(crate) mod occluders;
 #[cfg(test)]
 mod tests;
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -19,58 +21,18 @@ use crate::{
         bvh::build::Builder,
         kept::{WorldOfFrame, built},
         shadow::{
-            frame::{Frame, Survey},
-            lists::Lists,
+            casters::{Casters, Toward},
             meet::MANY,
+            occluders::Occluders,
         },
     },
     film::colors::NOTHING,
     simd::{LANES, Simd},
     tracer::{
         geometry::Geometry,
-        light::{Light, Source, falloff::END},
-        ray::Ray,
         shape::{Extent, plane::Plane},
-        world::World,
     },
 };
-
-/// The end of all shadow rays of a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Toward {
-    /// They end at this point.
-    Point(DVec3),
-    /// All have this direction and no end.
-    Direction(DVec3),
-}
-
-impl Toward {
-    /// Returns the end of a light's shadow rays; `None` if it casts no shadows.
-    pub(crate) fn of(light: &Light) -> Option<Self> {
-        let toward = match light.source() {
-            Source::Everywhere | Source::Viewer => return None,
-            Source::Direction(to_light) => Self::Direction(to_light),
-            Source::Point { position, .. } => Self::Point(position),
-        };
-        light.shadows().then_some(toward)
-    }
-
-    /// Returns the shadow ray of a point.
-    pub(crate) fn ray(self, point: DVec3) -> Ray {
-        match self {
-            Self::Point(light) => Ray::new(point, light - point),
-            Self::Direction(direction) => Ray::new(point, direction),
-        }
-    }
-
-    /// Returns the end of the rays as a `t`.
-    pub(crate) const fn t_max(self) -> f64 {
-        match self {
-            Self::Point(_) => END,
-            Self::Direction(_) => f64::INFINITY,
-        }
-    }
-}
 
 /// Eight points of surfaces.
 pub(crate) struct Points<'a, S: Simd> {
@@ -97,23 +59,6 @@ pub(crate) struct FoundShadows {
     pub(crate) open: u8,
 }
 
-/// The geometries that cast shadows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Casters {
-    /// Those without any glass.
-    Opaque,
-    /// Those that are glass, or partly so.
-    Glass,
-}
-
-impl Casters {
-    /// Returns true for a geometry that casts shadows.
-    #[inline(always)]
-    pub(super) fn hold(self, geometry: &Geometry) -> bool {
-        geometry.has_glass() == (self == Self::Glass)
-    }
-}
-
 /// The end of shadow rays, and everything of a kind that may cast a shadow there.
 #[derive(Debug)]
 struct Casting<'a> {
@@ -123,52 +68,6 @@ struct Casting<'a> {
     /// The planes, and their indices.
     planes: Vec<(u32, &'a Plane)>,
     occluders: Vec<Arc<Occluders>>,
-}
-
-/// Some geometries that may cast a shadow at the end of rays.
-#[derive(Debug)]
-pub(crate) struct Occluders {
-    is_empty: bool,
-    planes: Vec<u32>,
-    /// Other shapes, with numbers that are too extreme for bounds.
-    odd: Vec<u32>,
-    /// The corners of the box around all others.
-    corners: [DVec3; 2],
-    /// `None` if there are no bounds at all.
-    lists: Option<Lists>,
-}
-
-/// The largest number of shapes without bounds, which are tested against every point.
-const ODD: usize = 8;
-/// The number of times that tiles are enlarged until their shapes fit into memory.
-const STEPS: i32 = 12;
-
-impl Occluders {
-    /// Finds those among some geometries that cast shadows, on points around them and in a box.
-    fn new(
-        (world, runs): (&World, &[Range<usize>]),
-        (casters, toward): (Casters, Toward),
-        around: Option<[DVec3; 2]>,
-        builder: Builder<'_>,
-    ) -> Self {
-        let mut survey = Survey::new(world, runs, casters, builder.pool);
-        let is_empty = survey.is_empty();
-        around.into_iter().for_each(|around| survey.reach(around));
-        let frame = (!is_empty && survey.odd.len() <= ODD).then(|| Frame::new(toward, &survey));
-        let lists = frame.flatten().and_then(|frame| {
-            let mut coarser = (0..STEPS).map(|step| frame.coarser(step));
-            coarser.find_map(|frame| {
-                Lists::new(world, runs, casters, frame, builder.pool, builder.isa)
-            })
-        });
-        Self {
-            is_empty,
-            planes: survey.planes,
-            odd: survey.odd,
-            corners: survey.corners,
-            lists,
-        }
-    }
 }
 
 impl<'a> Casting<'a> {

@@ -5,12 +5,15 @@ use glam::DVec3;
 use crate::{
     accel::{
         bvh::build::Builder,
-        index_shapes,
+        index::index_shapes,
         kept::Kept,
-        shadow::{Casters, Casting, Points, Toward},
+        shadow::{
+            Casting, Points,
+            casters::{Casters, Toward},
+        },
     },
     parallel::Pool,
-    simd::{F64x8, Isa, Kernel, LANES, Simd},
+    simd::{F64x8, Kernel, LANES, Simd, isa::Isa},
     tracer::{
         color::Color,
         geometry::Geometry,

@@ -7,7 +7,9 @@ use strahl::{
     jobs::{Configs, SceneFile},
 };
 
-use super::{Args, frames::Frames};
+use crate::cli::render::args::Args;
+
+use super::frames::Frames;
 
 /// A picture of the run.
 #[derive(Clone, Debug, PartialEq)]

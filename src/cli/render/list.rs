@@ -12,13 +12,20 @@ use strahl::{
 };
 
 use super::{
-    Args, format_of,
     frames::Frames,
-    is_folder,
     items::{Item, items},
     pattern::Pattern,
 };
-use crate::cli::{failure::Failure, params::Params, paths, threads::lock};
+use crate::cli::{
+    failure::Failure,
+    params::Params,
+    paths,
+    render::{
+        args::Args,
+        output::{format_of, is_folder},
+    },
+    threads::lock,
+};
 
 /// The pictures that a run makes.
 pub(super) struct List {

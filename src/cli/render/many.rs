@@ -18,7 +18,6 @@ use strahl::{
 };
 
 use super::{
-    Args,
     draw::{Made, make_folder},
     items::Item,
     list::List,
@@ -31,6 +30,7 @@ use crate::cli::{
     params::Told,
     progress::Progress,
     record::{self, Failed, Line, Recorder, Records},
+    render::args::Args,
     report, scene,
     threads::lock,
 };

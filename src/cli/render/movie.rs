@@ -9,10 +9,11 @@ use strahl::{
     parallel::{Cancel, in_order},
 };
 
-use super::{Drawing, frames::Frames};
+use super::frames::Frames;
 use crate::cli::{
     failure::{Failure, STDOUT},
     picture::PictureArgs,
+    render::output::Drawing,
 };
 
 /// Number of frames per thread that are being drawn or wait to be written.

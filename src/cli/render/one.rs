@@ -17,9 +17,7 @@ use strahl::{
 };
 
 use super::{
-    Args, DrawArgs, Drawing,
     draw::make_folder,
-    format_of,
     frames::Frames,
     movie::{self, Movie},
     pattern::Pattern,
@@ -27,7 +25,12 @@ use super::{
 use crate::cli::{
     depfile,
     failure::{Failure, STDOUT},
-    paths, report, scene,
+    paths,
+    render::{
+        args::{Args, DrawArgs},
+        output::{Drawing, format_of},
+    },
+    report, scene,
 };
 
 /// A file to draw from one scene, as a command asks for it.

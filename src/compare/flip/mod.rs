@@ -11,7 +11,7 @@ use crate::{
         flip::color::{Lab, from_opponents},
         plane::{Filter, Plane, Region, Taps},
     },
-    simd::Isa,
+    simd::isa::Isa,
 };
 
 /// The pixels per degree of a display 0.7 m wide with 3840 pixels, seen from 0.7 m.

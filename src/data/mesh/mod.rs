@@ -13,6 +13,7 @@ mod obj;
 mod place;
 mod ply;
 mod polygon;
+mod read;
 mod stl;
 mod stl_facet;
 mod stl_text;
@@ -20,10 +21,7 @@ mod stream;
 #[cfg(test)]
 mod tests;
 
-use std::{
-    io::{self, Read},
-    ops::Range,
-};
+use std::{io, ops::Range};
 
 use glam::DVec3;
 
@@ -32,7 +30,7 @@ pub(crate) use flaw::{Flaw, Note};
 use crate::{
     data::{
         fault::{At, Fault, LinePart, ReadError, most_listed},
-        mesh::{face::Early, lines::Lines, place::FilePlace, stream::Stream},
+        mesh::{face::Early, lines::Lines, place::FilePlace},
         table::Names,
     },
     parallel::Cancel,
@@ -124,26 +122,6 @@ struct NotFinite {
 }
 
 impl MeshFile {
-    /// Reads a mesh file of `length` bytes.
-    pub(crate) fn read(
-        reader: impl Read,
-        length: u64,
-        format: Format,
-        request: &Request,
-    ) -> Result<Self, ReadError> {
-        if length == 0 {
-            return Err(Fault::new("the file is empty").into());
-        }
-        let file = Stream::new(reader, length);
-        let mut mesh = match format {
-            Format::Ply => ply::read(file, request)?,
-            Format::Obj => obj::read(file, request)?.with_coordinates(request)?,
-            Format::Stl => stl::read(file, length, request)?.with_coordinates(request)?,
-        };
-        mesh.check(format)?;
-        Ok(mesh)
-    }
-
     fn new(request: &Request) -> Self {
         Self {
             cancel: request.cancel.cloned(),

@@ -5,8 +5,8 @@ use crate::{
         fault::Fault,
         ply::header::{Element, Property, Type},
         table::{
-            Request,
             layout::{COLORS, Columns, Scalar, VALUE},
+            request::Request,
             select::{self, Known, Names},
         },
     },

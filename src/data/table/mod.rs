@@ -18,7 +18,7 @@ mod npy;
 mod npz;
 mod ply;
 mod read;
-mod request;
+pub(crate) mod request;
 pub(crate) mod row_cells;
 mod rows;
 pub(crate) mod select;

@@ -12,10 +12,10 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Content, Draw, Form, Format, ImageFormat,
+        Compression, Content, Form, Format, ImageFormat,
         exr::blocks::Method,
         format::cannot_hold_pixel,
-        output::Output,
+        output::{Draw, Output},
         pixel::{Channel, Pixel},
     },
 };

@@ -5,7 +5,7 @@ use std::io::Write;
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, Filter, SrgbRenderingIntent};
 
 use super::{FrameSink, Reel, fraction::fraction};
-use crate::{diagnostic::error::Error, film::Image, image_file::png::error};
+use crate::{diagnostic::error::Error, film::Image, image_file::png::error::error};
 
 pub(super) fn write<E: From<Error>>(
     writer: impl Write,

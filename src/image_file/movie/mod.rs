@@ -10,10 +10,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{
-        error::{Error, ErrorKind},
-        named::named,
-    },
+    diagnostic::{error::Error, named::named},
     film::{Image, size::Size},
     image_file::target::Target,
     parallel::Cancel,
@@ -110,5 +107,5 @@ impl MovieFormat {
 }
 
 fn wrong(message: &str) -> Error {
-    Error::new(ErrorKind::Usage, message)
+    Error::refused(message)
 }

@@ -1,11 +1,9 @@
 //! PNG, written row by row as bands arrive.
 
+pub(super) mod error;
 mod rows;
 
-use std::{
-    cell::Cell,
-    io::{self, Write},
-};
+use std::{cell::Cell, io::Write};
 
 impl ImageFormat {
     /// Portable Network Graphics, lossless.
@@ -20,16 +18,17 @@ impl ImageFormat {
     });
 }
 
-use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
 
 use self::rows::Rows;
 use crate::{
     diagnostic::error::Error,
     image_file::{
-        Compression, Draw, Form, Format, ImageFormat,
+        Compression, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
-        output::Output,
+        output::{Draw, Output},
         pixel::{Pixel, Sample},
+        png::error::error,
     },
 };
 
@@ -126,16 +125,10 @@ fn join<const BITS: usize>(pixels: [u8; 8]) -> [u8; BITS] {
     std::array::from_fn(|byte| bytes[8 - BITS + byte])
 }
 
-/// Returns the error of a file for one of the crate.
-pub(super) fn error(error: EncodingError) -> Error {
-    Error::writing(match error {
-        EncodingError::IoError(error) => error,
-        other => io::Error::other(other),
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use std::io;
+
     use png::Transformations;
 
     use super::*;

@@ -8,10 +8,9 @@ use std::{
 use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, compress_to_output};
 use png::{Writer, chunk::IDAT};
 
-use super::error;
 use crate::{
     diagnostic::error::Error,
-    image_file::{Compression, deflate},
+    image_file::{Compression, deflate, png::error::error},
 };
 
 /// Number of compressed bytes in a chunk of the file.

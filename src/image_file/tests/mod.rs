@@ -12,8 +12,8 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Encoding, Form, ImageFormat, Sink,
-        output::Output,
+        Compression, Encoding, Form, ImageFormat,
+        output::{Output, Sink},
         pixel::{Array, Channel, Pixel, Sample},
     },
 };

@@ -66,7 +66,7 @@ pub fn find_scenes(
 /// Returns the error for a folder without scenes.
 pub fn no_scene(folder: &Path) -> Error {
     let message = "no scene in this folder, expected .ron or .json files";
-    Error::new(ErrorKind::Usage, message).at(folder)
+    Error::refused(message).at(folder)
 }
 
 fn search(
@@ -98,19 +98,19 @@ fn search(
         })
     };
     if are_too_many(excluded.iter().map(String::as_str)) {
-        return Err(Error::new(ErrorKind::Usage, "too many patterns"));
+        return Err(Error::refused("too many patterns"));
     }
     let mut overrides = OverrideBuilder::new(folder);
     for pattern in excluded {
         // For `ignore`, an override with an exclamation mark excludes.
         overrides.add(&format!("!{pattern}")).map_err(|error| {
             let message = format!("`{pattern}` is not a pattern");
-            Error::new(ErrorKind::Usage, message).caused_by(error)
+            Error::refused(message).caused_by(error)
         })?;
     }
     let overrides = overrides
         .build()
-        .map_err(|error| Error::new(ErrorKind::Usage, "too many patterns").caused_by(error))?;
+        .map_err(|error| Error::refused("too many patterns").caused_by(error))?;
     let entries = WalkBuilder::new(folder)
         .overrides(overrides)
         // A .gitignore applies even outside of a repository.

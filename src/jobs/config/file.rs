@@ -9,11 +9,7 @@ use toml::{
 };
 
 use crate::{
-    diagnostic::{
-        Code, Severity,
-        error::{Error, ErrorKind},
-        levels::Levels,
-    },
+    diagnostic::{Code, Severity, error::Error, levels::Levels},
     jobs::config::{Config, are_too_many},
     report::OutputFormat,
     text::{
@@ -45,10 +41,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Config, Error> {
     config(text, path).map_err(|(range, message)| {
         let place = Lines::new(text).position(range.start);
         let (path, line, column) = (path.display(), place.line, place.column);
-        Error::new(
-            ErrorKind::Usage,
-            format!("{path}:{line}:{column}: {message}"),
-        )
+        Error::refused(format!("{path}:{line}:{column}: {message}"))
     })
 }
 

@@ -1,7 +1,7 @@
 //! The layout of a file: from layers and a format to the numbers of each pixel.
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
     film::Centers,
     image_file::{
         Content, ImageFormat, cryptomatte,
@@ -138,7 +138,7 @@ impl Layout {
 }
 
 fn refuse<T>(message: String) -> Result<T, Error> {
-    Err(Error::new(ErrorKind::Usage, message))
+    Err(Error::refused(message))
 }
 
 /// Returns true if the format stores layers at full precision.

@@ -8,12 +8,7 @@ use noto_sans_mono_bitmap::{
 };
 
 use super::{Layout, Legend, MISSING};
-use crate::{
-    diagnostic::error::{Error, ErrorKind},
-    film::Image,
-    image_file::buffer,
-    tracer::color::Color,
-};
+use crate::{diagnostic::error::Error, film::Image, image_file::buffer, tracer::color::Color};
 
 const fn height(text: u32) -> RasterHeight {
     match text {
@@ -58,7 +53,7 @@ impl Legend {
                  file, or give another label",
                 self.label
             );
-            return Err(Error::new(ErrorKind::Usage, message));
+            return Err(Error::refused(message));
         }
         let [left, top, wide, high] = layout.bar;
         let (text, gap, margin) = (layout.text, layout.gap(), layout.margin());

@@ -6,10 +6,7 @@ mod ticks;
 
 use self::ticks::{Tick, ticks};
 use crate::{
-    diagnostic::{
-        error::{Error, ErrorKind},
-        setters::setters,
-    },
+    diagnostic::{error::Error, setters::setters},
     film::size::Size,
     tracer::{
         color::Color,
@@ -105,7 +102,7 @@ impl Legend {
         if letters > Self::LONGEST_LABEL {
             let most = Self::LONGEST_LABEL;
             let message = format!("a label has at most {most} letters, found {letters}");
-            return Err(Error::new(ErrorKind::Usage, message));
+            return Err(Error::refused(message));
         }
         let Some(size) = self.size else {
             return self.fit(TEXT[0], None);
@@ -178,7 +175,7 @@ impl Legend {
         let no_room = || {
             let [width, height] = smallest;
             let message = format!("a legend with this text needs at least {width}x{height} pixels");
-            Error::new(ErrorKind::Usage, message)
+            Error::refused(message)
         };
         if width < smallest[0] || height < smallest[1] {
             return Err(no_room());

@@ -15,7 +15,7 @@ use crate::{
             first_hits::{FirstHits, Slab, Take, Work, cut},
             grouping::TILE,
         },
-        shadow::{Shadows, Toward},
+        shadow::{Shadows, casters::Toward},
     },
     diagnostic::error::Error,
     film::{Centers, Film, Outlines, crop::Crop, samples::Samples, size::Size},
@@ -25,7 +25,7 @@ use crate::{
         hits::{Hits, Rays},
         outlines::OutlineMask,
     },
-    simd::Isa,
+    simd::isa::Isa,
     tracer::{camera::Camera, world::World},
 };
 

@@ -6,8 +6,7 @@ use crate::{
     scene::format::{
         animation::{Interpolation, Key},
         color::ColorModel,
-        field::{Interval, Triple},
-        transform::ScaleModel,
+        numbers::{Interval, ScaleModel, Triple},
     },
     tracer::{
         srgb::{to_display, to_linear},

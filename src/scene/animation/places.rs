@@ -15,8 +15,8 @@ use crate::scene::format::{
     animation::{Interpolation, Track},
     field::FieldKind,
     geometry::GeometryModel,
+    numbers::ScaleModel,
     scene::Model,
-    transform::ScaleModel,
 };
 
 /// The number of places of geometries, each in a frame, that are looked at.

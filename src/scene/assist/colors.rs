@@ -2,9 +2,12 @@
 
 use std::ops::Range;
 
-use super::{ColorPlace, spot::Finder};
+use super::spot::Finder;
 use crate::{
-    scene::format::{animation::CHANGING, color::ColorModel, field::FieldKind},
+    scene::{
+        assist::completion::ColorPlace,
+        format::{animation::CHANGING, color::ColorModel, field::FieldKind},
+    },
     text::syntax::{self, NodeId, NodeKind, Syntax, Tree},
     tracer::color::Color,
 };

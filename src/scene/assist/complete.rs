@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
-    Completion, CompletionKind, Completions, Hover, colors,
+    colors,
     files::files,
     names::{self, Name, NameKind},
     paths::paths,
@@ -12,6 +12,7 @@ use super::{
 };
 use crate::{
     scene::{
+        assist::completion::{Completion, CompletionKind, Completions, Hover},
         format::{
             field::FieldKind,
             scene::Model,

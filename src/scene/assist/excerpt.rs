@@ -3,10 +3,18 @@
 
 use std::{ops::Range, sync::Arc};
 
-use super::{Completions, Hover, Name, NameKind, complete, cuts::Cuts, names, paths, spot::Finder};
+use super::{complete, cuts::Cuts, names, paths, spot::Finder};
 use crate::{
     diagnostic::error::Error,
-    scene::{format::scene::Model, options::ReadOptions, source::Source},
+    scene::{
+        assist::{
+            completion::{Completions, Hover},
+            names::{Name, NameKind},
+        },
+        format::scene::Model,
+        options::ReadOptions,
+        source::Source,
+    },
     text::{
         edit::Edit,
         syntax::{

@@ -2,9 +2,10 @@
 
 use std::{ops::Range, path::PathBuf};
 
-use super::{Completion, CompletionKind, complete::item, spot::Finder};
+use super::{complete::item, spot::Finder};
 use crate::{
     scene::{
+        assist::completion::{Completion, CompletionKind},
         format::{
             scene::Model,
             thing::{Thing, Type},

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use super::{Hover, spot::Finder};
+use super::spot::Finder;
 use crate::{
     diagnostic::{Code, Diagnostic, error::Error, named::named, path::Step},
     scene::{
+        assist::completion::Hover,
         format::{
             cameras::fault_of_name,
             geometry::inside::FIELD_NAMES,

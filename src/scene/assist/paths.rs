@@ -2,9 +2,10 @@
 
 use std::{collections::HashMap, fmt::Write as _};
 
-use super::{Completion, CompletionKind, complete::item, names::written, spot::Finder};
+use super::{complete::item, names::written, spot::Finder};
 use crate::{
     scene::{
+        assist::completion::{Completion, CompletionKind},
         format::{field::Field, scene::Model, thing::Type},
         locate::{body, content},
     },

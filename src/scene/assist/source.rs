@@ -2,13 +2,17 @@
 
 use std::ops::Range;
 
-use super::{
-    ColorPlace, Completions, FileLink, Fold, Hover, Name, Symbol, colors, complete, files, folds,
-    names, spot::Finder, symbols,
-};
+use super::{FileLink, Fold, Symbol, colors, complete, files, folds, names, spot::Finder, symbols};
 use crate::{
     diagnostic::error::Error,
-    scene::{options::ReadOptions, source::Source},
+    scene::{
+        assist::{
+            completion::{ColorPlace, Completions, Hover},
+            names::Name,
+        },
+        options::ReadOptions,
+        source::Source,
+    },
     text::{
         edit::Edit,
         syntax::{NodeKind, Syntax},

@@ -4,10 +4,12 @@ mod law;
 
 use std::{fs, ops::Range};
 
-use super::{Completions, Elements};
+use super::Elements;
 use crate::{
     diagnostic::{Code, Diagnostic, path::Path},
-    scene::{document::Document, options::ReadOptions, source::Source},
+    scene::{
+        assist::completion::Completions, document::Document, options::ReadOptions, source::Source,
+    },
     text::{
         edit::{Edit, apply},
         syntax::Syntax,

@@ -12,11 +12,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{
-        Code, Diagnostic, Severity, Suppressed,
-        error::{Error, ErrorKind},
-        plain,
-    },
+    diagnostic::{Code, Diagnostic, Severity, Suppressed, error::Error, plain},
     parallel::{
         Cancel,
         timings::{Stage, Timings},
@@ -92,7 +88,7 @@ impl Document {
             if let Some(meant) = nearest(&ending, &[Syntax::Ron, Syntax::Json].map(Syntax::name)) {
                 message += &format!("; did you mean `.{meant}`?");
             }
-            Error::new(ErrorKind::Usage, message).at(path)
+            Error::refused(message).at(path)
         })?;
         let loaded = Loaded::from_content(content, length, syntax, &options, &watch);
         let loaded = loaded.map_err(|error| Error::unreadable(path, error))?;
@@ -367,7 +363,7 @@ impl Document {
         let (model, _) = self.into_model()?;
         let converted = convert::convert(model, syntax);
         match converted.fault {
-            Some(fault) => Err(Error::new(ErrorKind::Usage, fault).at(FilePath::new(&name))),
+            Some(fault) => Err(Error::refused(fault).at(FilePath::new(&name))),
             None => Ok(Converted { lost, ..converted }),
         }
     }

@@ -4,14 +4,11 @@
 use std::{ops::Range, sync::Arc};
 
 use crate::{
-    diagnostic::{
-        Code, Diagnostic,
-        error::{Error, ErrorKind},
-    },
+    diagnostic::{Code, Diagnostic, error::Error},
     parallel::timings::Timings,
     scene::{
         animation::frames::Frames,
-        assist::{ColorPlace, Completions, Hover},
+        assist::completion::{ColorPlace, Completions, Hover},
         check::check,
         convert::{self, LostComments},
         document::Document,
@@ -164,7 +161,7 @@ impl Document {
             known: &known,
             cancel: self.options.canceller(),
         };
-        let refused = |message: String| Error::new(ErrorKind::Usage, message);
+        let refused = |message: String| Error::refused(message);
         let tree = self.source.tree();
         let mut edits = Vec::new();
         let mut lost: Vec<Range<usize>> = Vec::new();

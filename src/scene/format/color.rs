@@ -8,7 +8,7 @@ use serde::{
 };
 
 use crate::{
-    scene::format::{field::Triple, transform::elements},
+    scene::format::numbers::{Triple, elements},
     tracer::color::Color,
 };
 

@@ -5,18 +5,16 @@ use std::fmt;
 use serde_json::Value as Json;
 
 use crate::{
-    scene::format::{color::ColorModel, thing::Type, transform::ScaleModel},
+    scene::format::{
+        color::ColorModel,
+        numbers::{Interval, ScaleModel, Triple},
+        thing::Type,
+    },
     tracer::{
-        light::BRIGHTEST,
+        light::source::BRIGHTEST,
         material::{glass::INDICES, phong::SHARPEST},
     },
 };
-
-/// A point or a direction: x, y and z.
-pub type Triple = [f64; 3];
-
-/// A range of numbers: the smaller and the larger one.
-pub type Interval = [f64; 2];
 
 /// The name of a geometry. Few have one: a box in a box takes the least memory where there is none.
 pub type Name = Box<Box<str>>;
@@ -267,5 +265,18 @@ impl<T: Held> Held for Option<T> {
 
     fn slot(&mut self) -> Option<Slot<'_>> {
         self.as_mut().and_then(T::slot)
+    }
+}
+
+impl Held for ScaleModel {
+    fn value(&self) -> Option<Value<'_>> {
+        Some(match self {
+            Self::Uniform(factor) => Value::Number(*factor),
+            Self::Axes(factors) => Value::Vector(factors),
+        })
+    }
+
+    fn slot(&mut self) -> Option<Slot<'_>> {
+        Some(Slot::Scale(self))
     }
 }

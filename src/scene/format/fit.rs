@@ -4,12 +4,8 @@ use glam::DVec3;
 
 use crate::{
     scene::format::{
-        camera::{CameraModel, UP},
-        field::Triple,
-        object::object,
-        orthographic::OrthographicModel,
-        perspective::PerspectiveModel,
-        variants::variants,
+        camera::CameraModel, numbers::Triple, object::object, orthographic::OrthographicModel,
+        perspective::PerspectiveModel, sight::UP, variants::variants,
     },
     tracer::{
         camera::{

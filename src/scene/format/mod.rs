@@ -18,23 +18,27 @@ pub mod light;
 pub(crate) mod lighting;
 pub(crate) mod map;
 pub mod material;
+pub(crate) mod numbers;
 pub(crate) mod object;
 pub(crate) mod orthographic;
 pub(crate) mod outlines;
 pub(crate) mod perspective;
 pub(crate) mod scene;
+pub(crate) mod sight;
 pub(crate) mod thing;
 pub(crate) mod transform;
 pub(crate) mod variants;
 pub(crate) mod warning;
 
+pub use crate::scene::format::numbers::ScaleModel;
+pub use crate::scene::format::numbers::{Interval, Triple};
 pub use crate::scene::format::{
     animation::{AnimationModel, Interpolation, Key, OrbitModel, Track, TracksModel},
     camera::CameraModel,
     cameras::CamerasModel,
     color::ColorModel,
     color_by::{ColorByModel, ColormapModel},
-    field::{Interval, Name, Triple},
+    field::Name,
     fit::{FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel},
     image::{ImageModel, ToneMappingModel},
     lighting::{DirectModel, LightingModel},
@@ -43,6 +47,6 @@ pub use crate::scene::format::{
     outlines::OutlinesModel,
     perspective::PerspectiveModel,
     scene::Model as SceneModel,
-    transform::{MatrixModel, RotateModel, ScaleModel, TransformModel},
+    transform::{MatrixModel, RotateModel, TransformModel},
     warning::WarningName,
 };

@@ -277,11 +277,11 @@ macro_rules! object {
     };
 
     (@given required $kind:ident [$type:ty]) => { $type };
-    (@given required Point []) => { $crate::scene::format::field::Triple };
-    (@given required Direction []) => { $crate::scene::format::field::Triple };
-    (@given required Edge []) => { $crate::scene::format::field::Triple };
-    (@given required Interval []) => { $crate::scene::format::field::Interval };
-    (@given required Scale []) => { $crate::scene::format::transform::ScaleModel };
+    (@given required Point []) => { $crate::scene::format::numbers::Triple };
+    (@given required Direction []) => { $crate::scene::format::numbers::Triple };
+    (@given required Edge []) => { $crate::scene::format::numbers::Triple };
+    (@given required Interval []) => { $crate::scene::format::numbers::Interval };
+    (@given required Scale []) => { $crate::scene::format::numbers::ScaleModel };
     (@given required Color []) => { $crate::scene::format::color::ColorModel };
     (@given required Count []) => { u32 };
     (@given required Depth []) => { u32 };

@@ -2,8 +2,8 @@
 
 use crate::{
     scene::format::{
-        camera::{Sight, UP},
         object::object,
+        sight::{Sight, UP},
     },
     tracer::{
         camera::{

@@ -14,13 +14,14 @@ use crate::{
         near::{is_same_value, near},
         read::reader::{Misfit, Result},
         recover::{
-            Text, elsewhere, fix,
+            elsewhere, fix,
             reader::{Reader, Value},
+            text::{Text, name_of},
         },
     },
     text::{
         nearest::{one_of, quote},
-        syntax::{Children, NodeId, NodeKind, Syntax, Tree, name, string},
+        syntax::{Children, NodeId, NodeKind, Syntax, string},
     },
 };
 
@@ -117,16 +118,6 @@ pub(super) fn given_fields(
     let missing: Vec<_> = missing.collect();
     let given = given.into_iter().map(|(field, _, value)| (field, value));
     given.chain(missing).collect()
-}
-
-/// Returns the name in a key or a string, without quotes and RON's `r#`.
-pub(crate) fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
-    let node = tree.node(key);
-    let source = text.get(node.range()).unwrap_or_default();
-    match node.kind() {
-        NodeKind::String => string(source, tree.syntax()).unwrap_or_default(),
-        _ => name(source).into(),
-    }
 }
 
 /// Reports a field or a key that is given a second time.

@@ -2,7 +2,7 @@
 
 use crate::{
     diagnostic::Fix,
-    scene::recover::{Text, access::name_of},
+    scene::recover::text::{Text, name_of},
     text::{
         edit::Edit,
         syntax::{NodeId, NodeKind, float},

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{
     diagnostic::Fix,
-    scene::recover::{Text, nameless::is_known},
+    scene::recover::{nameless::is_known, text::Text},
     text::{
         edit::Edit,
         syntax::{NodeId, NodeKind, Syntax, Tree, float, string},

@@ -8,10 +8,9 @@ use crate::{
         format::color_names,
         near::near,
         recover::{
-            Text,
-            access::name_of,
             fix::{self, Wants},
             nameless::fits,
+            text::{Text, name_of},
         },
     },
     text::{

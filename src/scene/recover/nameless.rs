@@ -12,7 +12,7 @@ use crate::{
             thing::{Object, OneOf, Thing, Type},
         },
         problem::syntax_fault,
-        recover::name_of,
+        recover::text::name_of,
     },
     text::{
         edit::Edit,

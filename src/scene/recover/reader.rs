@@ -11,15 +11,16 @@ use crate::{
     },
     scene::{
         format::{
+            numbers::ScaleModel,
             thing::{Thing, Type},
-            transform::{MatrixModel, RotateModel, ScaleModel},
+            transform::{MatrixModel, RotateModel},
         },
         read::reader::{Misfit, Result},
         recover::{
-            NO_NUMBER, Text,
             access::{Elements, Fields, entries, fields, given_fields, stand_ins},
             fix::{Wants, respelt},
             foreign,
+            text::{NO_NUMBER, Text},
             variant::{Variant, has_fields},
         },
     },

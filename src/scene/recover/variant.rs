@@ -17,10 +17,10 @@ use crate::{
         near::near,
         read::reader::{Misfit, Result},
         recover::{
-            Text,
             access::{Elements, Fields, fields, given_fields, stand_ins},
             elsewhere::absent,
             fix, foreign, nameless,
+            text::Text,
         },
     },
     text::{

@@ -18,7 +18,7 @@ use crate::{
         },
         path::PathPart,
         problem::syntax_fault,
-        recover::{fix::removal, name_of, recover_at},
+        recover::{fix::removal, recover_at, text::name_of},
         unknown,
     },
     text::{

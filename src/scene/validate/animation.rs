@@ -16,12 +16,13 @@ use crate::{
         },
         format::{
             animation::{Interpolation, Key, Track, of_keys},
-            field::{FieldKind, Held, Triple, Value},
+            field::{FieldKind, Held, Value},
+            numbers::Triple,
             scene::Model,
             thing::Thing,
         },
         problem::{Focus, Problem},
-        validate::Found,
+        validate::found::Found,
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };

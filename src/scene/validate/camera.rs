@@ -6,14 +6,11 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            camera::{CameraModel, Sight},
-            fit::ProjectionModel,
-            scene::Model,
-            thing::Thing,
+            camera::CameraModel, fit::ProjectionModel, scene::Model, sight::Sight, thing::Thing,
         },
         framing::Framing,
         problem::{Focus, Problem},
-        validate::{Found, names},
+        validate::{found::Found, names},
     },
     tracer::{camera::basis::are_parallel, error::GeometryError, vector::is_direction},
 };

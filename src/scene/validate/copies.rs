@@ -1,6 +1,5 @@
 //! Checks of copies of other geometries.
 
-use super::Found;
 use crate::{
     diagnostic::Code,
     scene::{
@@ -11,6 +10,7 @@ use crate::{
         },
         problem::{Focus, Problem},
         unknown,
+        validate::found::Found,
     },
     text::nearest::quote,
 };

@@ -12,7 +12,7 @@ use crate::{
         },
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{Found, camera::Eye},
+        validate::{camera::Eye, found::Found},
     },
     text::nearest::quote,
     tracer::{

@@ -2,17 +2,18 @@
 
 use glam::DVec3;
 
-use super::Found;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
             color::ColorModel,
             color_names,
-            field::{Field, FieldKind, Interval, Range, Triple, Value},
+            field::{Field, FieldKind, Range, Value},
+            numbers::{Interval, Triple},
         },
         problem::{Cure, Focus, Problem},
-        recover::NO_NUMBER,
+        recover::text::NO_NUMBER,
+        validate::found::Found,
     },
     tracer::vector::is_direction,
 };

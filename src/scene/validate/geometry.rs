@@ -1,6 +1,5 @@
 //! Checks of geometries.
 
-use super::{Found, both};
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
@@ -12,6 +11,7 @@ use crate::{
         },
         framing::Framing,
         problem::{Cure, Focus, Problem},
+        validate::{found::Found, material::both},
     },
     text::nearest::quote,
 };

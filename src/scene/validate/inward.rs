@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::Found;
 use crate::{
     diagnostic::Code,
     parallel::Cancel,
@@ -14,6 +13,7 @@ use crate::{
             scene::Model,
         },
         problem::{Focus, Problem},
+        validate::found::Found,
     },
 };
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Found, camera::Eye, eye::is_glass};
+use super::{camera::Eye, eye::is_glass};
 use crate::{
     diagnostic::{Code, path::Path},
     parallel::Cancel,
@@ -11,10 +11,11 @@ use crate::{
         format::{geometry::walk::Leaf, light::LightModel, scene::Model, thing::Thing},
         problem::{Focus, Problem},
         tables::Tables,
+        validate::found::Found,
     },
     tracer::{
         geometry::Geometry,
-        light::{Falloff, Light, Source},
+        light::{Light, falloff::Falloff, source::Source},
         shape::{Extent, Membership, Shape},
     },
 };

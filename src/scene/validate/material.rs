@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{Found, solid::is_covered};
+use super::solid::is_covered;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
@@ -16,6 +16,7 @@ use crate::{
         },
         problem::{Focus, Problem},
         unknown,
+        validate::found::Found,
     },
     text::nearest::quote,
 };

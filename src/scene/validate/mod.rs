@@ -6,6 +6,7 @@ mod copies;
 mod enclosed;
 mod eye;
 mod field;
+mod found;
 mod geometry;
 mod inward;
 mod light;
@@ -37,8 +38,8 @@ use crate::{
         unknown,
         validate::{
             eye::{Surroundings, is_glass},
+            found::Found,
             inward::Inward,
-            material::both,
         },
     },
 };
@@ -210,49 +211,7 @@ pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
     )))
 }
 
-/// Collects problems. The functions are called for each of a million values, so paths are built
-/// only for faults.
-struct Found {
-    list: Vec<Problem>,
-    tally: Tally,
-    /// True if lights may fall on the scene.
-    is_lit: bool,
-    cancel: Option<Cancel>,
-}
-
 impl Found {
-    /// Keeps at most this many problems of each code.
-    fn new(most: usize) -> Self {
-        Self {
-            list: Vec::new(),
-            tally: Tally::new(most),
-            is_lit: false,
-            cancel: None,
-        }
-    }
-
-    /// Returns true if the checks should end. Every long loop asks.
-    #[inline]
-    fn is_cancelled(&self) -> bool {
-        self.cancel.as_ref().is_some_and(Cancel::is_cancelled)
-    }
-
-    fn push(&mut self, problem: Problem) {
-        if self.tally.keeps(problem.code()) {
-            self.list.push(problem);
-        }
-    }
-
-    fn extend(&mut self, problems: impl IntoIterator<Item = Problem>) {
-        for problem in problems {
-            self.push(problem);
-        }
-    }
-
-    fn has_errors(&self) -> bool {
-        self.list.iter().any(Problem::is_error)
-    }
-
     fn image(&mut self, image: Option<&ImageModel>) {
         let Some(image) = image else { return };
         let path = Path::ROOT.field("image");

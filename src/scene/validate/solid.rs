@@ -1,6 +1,5 @@
 //! Checks of solids combined from others.
 
-use super::Found;
 use crate::{
     diagnostic::Code,
     scene::{
@@ -10,6 +9,7 @@ use crate::{
             thing::Thing,
         },
         problem::{Focus, Problem},
+        validate::found::Found,
     },
     tracer::shape::{Shape, solid::Operation},
 };

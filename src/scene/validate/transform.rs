@@ -1,17 +1,17 @@
 //! Checks of transforms.
 
-use super::Found;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
             geometry::{ordinal::Ordinal, placement::Placement},
+            numbers::ScaleModel,
             scene::Model,
             thing::Thing,
-            transform::{ScaleModel, TransformModel},
+            transform::TransformModel,
         },
         problem::{Focus, Problem},
-        validate::material::both,
+        validate::{found::Found, material::both},
     },
     tracer::{error::GeometryError, transform::Transform},
 };

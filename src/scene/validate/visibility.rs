@@ -12,7 +12,7 @@ use crate::{
         framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{Found, enclosed::enclosed, eye::is_glass},
+        validate::{enclosed::enclosed, eye::is_glass, found::Found},
         view::ViewSpace,
     },
     text::nearest::quote,

@@ -3,7 +3,7 @@
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Glow, Source},
+    light::source::{Glow, Source},
     transform::Transform,
 };
 

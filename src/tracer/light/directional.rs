@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Glow, Source},
+    light::source::{Glow, Source},
     transform::Transform,
     vector::{direction, finite},
 };

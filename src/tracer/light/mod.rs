@@ -11,6 +11,7 @@ pub(crate) mod directional;
 pub(crate) mod falloff;
 pub(crate) mod headlight;
 pub(crate) mod point;
+pub(crate) mod source;
 pub(crate) mod spot;
 
 pub use self::{
@@ -25,12 +26,14 @@ pub use self::{
 use glam::DVec3;
 
 use crate::tracer::{
-    color::Color,
     error::GeometryError,
-    light::{falloff::END, spot::Fading},
+    light::{
+        falloff::END,
+        source::{Glow, Source},
+    },
     radiance::Radiance,
     transform::Transform,
-    vector::{in_range, is_direction, unit},
+    vector::{is_direction, unit},
 };
 
 /// Defines the enum of all lights and the methods that each light implements in its own file.
@@ -114,24 +117,6 @@ lights! {
     Spot = "spot",
 }
 
-/// The place that light comes from. It determines the light at each point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Source {
-    /// All directions.
-    Everywhere,
-    /// The viewer.
-    Viewer,
-    /// This direction, of any length, from all surfaces.
-    Direction(DVec3),
-    /// A point.
-    Point {
-        position: DVec3,
-        falloff: Falloff,
-        /// The cone that the light is limited to.
-        cone: Option<Fading>,
-    },
-}
-
 impl Light {
     /// Returns the light that arrives at a point of a surface if nothing is in its way; `v` is the
     /// unit vector to the viewer. `None` if none arrives: the light lies on the point, or too far
@@ -169,44 +154,6 @@ impl Light {
                 shadow,
             }),
         })
-    }
-}
-
-/// The color and the intensity of a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glow {
-    color: Color,
-    intensity: f64,
-    /// `intensity · lin(color)`
-    radiance: Radiance,
-}
-
-/// The largest intensity of a light.
-pub(crate) const BRIGHTEST: f64 = 1e12;
-
-impl Glow {
-    pub(crate) fn new(color: Color, intensity: f64) -> Result<Self, GeometryError> {
-        let intensity = in_range(intensity, "intensity", [0.0, BRIGHTEST])?;
-        Ok(Self {
-            color,
-            intensity,
-            radiance: color.to_linear() * intensity,
-        })
-    }
-
-    /// The color.
-    pub const fn color(&self) -> Color {
-        self.color
-    }
-
-    /// The intensity, from 0 to 1e12.
-    pub const fn intensity(&self) -> f64 {
-        self.intensity
-    }
-
-    /// The linear light of the color times the intensity.
-    pub const fn radiance(&self) -> Radiance {
-        self.radiance
     }
 }
 

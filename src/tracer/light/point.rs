@@ -5,7 +5,10 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Falloff, Glow, Source},
+    light::{
+        falloff::Falloff,
+        source::{Glow, Source},
+    },
     transform::Transform,
     vector::finite,
 };

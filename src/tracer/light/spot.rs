@@ -7,7 +7,10 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::{Falloff, Glow, Source},
+    light::{
+        falloff::{Fading, Falloff},
+        source::{Glow, Source},
+    },
     transform::Transform,
     vector::{direction, finite, in_range, unit},
 };
@@ -23,30 +26,6 @@ pub struct Spot {
     falloff: Falloff,
     shadows: bool,
     fading: Fading,
-}
-
-/// The fading of the light at the edge of a cone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fading {
-    /// The axis of the cone, as a unit vector.
-    pub(crate) axis: DVec3,
-    /// The cosines of the half angles at which the light begins to fade, and ends.
-    pub(crate) cosines: [f64; 2],
-}
-
-impl Fading {
-    /// Returns the part of the light that the cone lets through, towards a surface that sees the
-    /// light along `l`.
-    pub(super) fn at(&self, l: DVec3) -> f64 {
-        let cosine = -(l.dot(self.axis));
-        let [inner, outer] = self.cosines;
-        // The cosines of a tiny angle may be equal, too: then there is nothing to fade over.
-        if inner <= outer {
-            return if cosine >= outer { 1.0 } else { 0.0 };
-        }
-        let s = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0);
-        s * s * (3.0 - 2.0 * s)
-    }
 }
 
 /// The shape of a cone of light.

@@ -3,7 +3,7 @@
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::BRIGHTEST,
+    light::source::BRIGHTEST,
     material::{
         lobes::Lobes,
         parameters::{Number, parameters},

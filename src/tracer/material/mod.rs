@@ -115,6 +115,19 @@ impl Material {
     }
 }
 
+/// Converts materials of several parameters.
+macro_rules! from {
+    ($($material:ident),*) => {$(
+        impl From<$material> for Material {
+            fn from(material: $material) -> Self {
+                Self::$material(material.into())
+            }
+        }
+    )*};
+}
+
+from!(Phong, Glass, Emissive);
+
 impl From<Color> for Material {
     /// Creates a matte material.
     fn from(color: Color) -> Self {

@@ -58,12 +58,6 @@ macro_rules! parameters {
             })*
         }
 
-        impl From<$material> for $crate::tracer::material::Material {
-            fn from(material: $material) -> Self {
-                Self::$material(material.into())
-            }
-        }
-
         impl $crate::tracer::material::parameters::Parameters for $material {
             fn first(&self) -> Color {
                 self.$first

@@ -1,7 +1,9 @@
 //! The start of a text table: comments, the header, and what separates the columns.
 
-use super::hex;
-use crate::data::{bytes::BYTE_ORDER_MARK, fault::Fault};
+use crate::{
+    data::{bytes::BYTE_ORDER_MARK, fault::Fault},
+    tracer::color::Color,
+};
 
 /// What separates the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,7 +169,7 @@ fn comment(line: &[u8], may_be_row: bool) -> Option<&[u8]> {
         .split(|byte| matches!(byte, b',' | b'\t' | b' '))
         .next();
     let cell = str::from_utf8(cell.unwrap_or_default());
-    let is_color = may_be_row && cell.is_ok_and(|cell| hex(cell).is_some());
+    let is_color = may_be_row && cell.is_ok_and(|cell| Color::parse_hex(cell).is_some());
     (!is_color).then(|| rest.trim_ascii_start())
 }
 

@@ -10,14 +10,14 @@ use serde::{
 
 use crate::scene::{
     format::{
-        camera::UP,
         color::ColorModel,
-        field::{Field, FieldKind, Interval, Triple},
+        field::{Field, FieldKind},
         map::{Entry, Map},
+        numbers::{Interval, ScaleModel, Triple},
         object::object,
         scene::Model,
+        sight::UP,
         thing::Type,
-        transform::ScaleModel,
         variants::words,
     },
     path,

@@ -6,12 +6,12 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            field::{FieldKind, Triple},
+            field::FieldKind,
             geometry::{
-                faults::shown,
-                faults::{not_finite, value},
+                faults::{not_finite, shown, value},
                 kind::{GeometryKind, colored},
             },
+            numbers::Triple,
             thing::Type,
         },
         problem::{Focus, Problem},

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::{Code, path::Path},
-    scene::{format::field::Triple, problem::Problem},
+    scene::{format::numbers::Triple, problem::Problem},
     tracer::vector::{is_direction, why_no_axis},
 };
 

@@ -10,12 +10,13 @@ use crate::{
     scene::{
         format::{
             color_by::ColorByModel,
-            field::{FieldKind, Triple},
+            field::FieldKind,
             geometry::{
                 faults::{not_finite, value},
                 kind::{GeometryKind, geometry},
             },
             material::MaterialModel,
+            numbers::Triple,
             thing::Type,
         },
         problem::{Focus, Problem},

@@ -1,7 +1,7 @@
 //! Light from everywhere, in a scene file.
 
 use crate::{
-    scene::format::light::{LightKind, light},
+    scene::format::light::kind::{LightKind, light},
     tracer::{
         error::GeometryError,
         light::{Ambient, Light},

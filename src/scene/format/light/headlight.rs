@@ -1,7 +1,7 @@
 //! A light at the viewer, in a scene file.
 
 use crate::{
-    scene::format::light::{LightKind, light},
+    scene::format::light::kind::{LightKind, light},
     tracer::{
         error::GeometryError,
         light::{Headlight, Light},

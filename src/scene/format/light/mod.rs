@@ -3,22 +3,20 @@
 pub(crate) mod ambient;
 pub(crate) mod directional;
 pub(crate) mod headlight;
+mod kind;
 pub(crate) mod point;
 pub(crate) mod spot;
 
 pub use self::{
     ambient::AmbientLightModel, directional::DirectionalLightModel, headlight::HeadlightLightModel,
-    point::PointLightModel, spot::SpotLightModel,
+    kind::FalloffModel, point::PointLightModel, spot::SpotLightModel,
 };
 
 use glam::DVec3;
 
 use crate::{
-    scene::format::variants::{variants, words},
-    tracer::{
-        error::GeometryError,
-        light::{Falloff, Light},
-    },
+    scene::format::{light::kind::LightKind, variants::variants},
+    tracer::{error::GeometryError, light::Light},
 };
 
 variants! {
@@ -37,51 +35,6 @@ variants! {
     }
 }
 
-/// Declares a kind of light: an object with the fields that lights share, behind its own.
-macro_rules! light {
-    (
-        $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }
-        $(#[$($docs:tt)*])* intensity = $intensity:literal
-        $(falloff = $falloff:ident)?
-        $(shadows = $shadows:literal)?
-        $(one of $one:ident, $other:ident)?
-    ) => {
-        $crate::scene::format::object::object! {
-            $(#[$($meta)*])* pub struct $model = $name {
-                $($fields)*
-                /// The color; white is the default.
-                color: Color = $crate::scene::format::color::ColorModel::WHITE,
-                $(#[$($docs)*])*
-                intensity | strength ! power ! energy: Intensity = $intensity,
-                $(
-                    /// The weakening by distance; `InverseSquare` is the default.
-                    falloff ! decay: Choice(super::FalloffModel) = super::FalloffModel::$falloff,
-                )?
-                $(
-                    /// True if geometries cast shadows in this light; the default.
-                    shadows: Flag = $shadows,
-                )?
-                /// The name of the light: no other light of the scene has it.
-                name: Name?,
-            } $(one of $one, $other)?
-        }
-    };
-}
-
-use light;
-
-/// What each kind of light answers in its own file.
-trait LightKind {
-    /// The light.
-    fn build(&self) -> Result<Light, GeometryError>;
-
-    /// Returns the vector to the point that it is directed at, if a point alone directs it and all
-    /// numbers are finite.
-    fn to_target(&self) -> Option<DVec3> {
-        None
-    }
-}
-
 impl LightModel {
     /// Returns its name in the scene.
     pub(crate) fn name(&self) -> Option<&str> {
@@ -97,26 +50,5 @@ impl LightModel {
     /// numbers are finite.
     pub(crate) fn to_target(&self) -> Option<DVec3> {
         of_each!(self, light => light.to_target())
-    }
-}
-
-words! {
-    /// The weakening of light by distance.
-    #[derive(Copy, Default, Eq)]
-    pub enum FalloffModel = "Falloff" {
-        /// As in nature: a quarter of the light at twice the distance.
-        #[default]
-        InverseSquare,
-        /// No weakening.
-        Constant,
-    }
-}
-
-impl From<FalloffModel> for Falloff {
-    fn from(falloff: FalloffModel) -> Self {
-        match falloff {
-            FalloffModel::InverseSquare => Self::InverseSquare,
-            FalloffModel::Constant => Self::Constant,
-        }
     }
 }

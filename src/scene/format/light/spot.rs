@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::{
-    scene::format::light::{LightKind, light},
+    scene::format::light::kind::{LightKind, light},
     tracer::{
         error::GeometryError,
         light::{Cone, Light, Spot},

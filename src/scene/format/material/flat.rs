@@ -1,7 +1,7 @@
 //! A surface without shading, in a scene file.
 
 use crate::{
-    scene::format::{material::MaterialKind, object::object},
+    scene::format::{material::kind::MaterialKind, object::object},
     tracer::{error::GeometryError, material::Material},
 };
 

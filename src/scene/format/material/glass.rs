@@ -1,7 +1,7 @@
 //! Glass, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, material::MaterialKind, object::object},
+    scene::format::{color::ColorModel, material::kind::MaterialKind, object::object},
     tracer::{
         error::GeometryError,
         material::{Glass, Material},

@@ -3,6 +3,7 @@
 pub(crate) mod emissive;
 pub(crate) mod flat;
 pub(crate) mod glass;
+pub(crate) mod kind;
 pub(crate) mod matte;
 pub(crate) mod mirror;
 pub(crate) mod named;
@@ -21,6 +22,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         map::{Entry, Map},
+        material::kind::MaterialKind,
         variants::variants,
     },
     tracer::{error::GeometryError, material::Material},
@@ -43,35 +45,6 @@ variants! {
         Emissive(EmissiveModel) | Emission,
         /// One of the scene's `materials`, by its name.
         Named(NamedModel),
-    }
-}
-
-/// What each kind of material answers in its own file.
-pub(crate) trait MaterialKind {
-    /// The material.
-    fn build(&self) -> Result<Material, GeometryError>;
-
-    /// Returns itself; the name of a material that is described elsewhere has a method in place of this.
-    fn described(&self) -> Result<&dyn MaterialKind, &str>
-    where
-        Self: Sized,
-    {
-        Ok(self)
-    }
-
-    /// Returns true if light goes through.
-    fn is_glass(&self) -> bool {
-        false
-    }
-
-    /// Returns true if it sends light of its own.
-    fn emits(&self) -> bool {
-        false
-    }
-
-    /// Returns a field that is given in vain, and the reason.
-    fn moot_field(&self) -> Option<[&'static str; 2]> {
-        None
     }
 }
 

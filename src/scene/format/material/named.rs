@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{
-    material::MaterialKind,
+    material::kind::MaterialKind,
     thing::{Thing, Type},
 };
 

@@ -1,7 +1,7 @@
 //! A surface with a highlight, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, material::MaterialKind, object::object},
+    scene::format::{color::ColorModel, material::kind::MaterialKind, object::object},
     tracer::{
         color::Color,
         error::GeometryError,

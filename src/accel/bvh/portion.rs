@@ -1,0 +1,117 @@
+//! Some geometries of a world with a tree over those that have bounds.
+
+use std::ops::Range;
+
+use crate::{
+    accel::{
+        bvh::{
+            build::{Builder, Lists},
+            frame::{Frame, Hull, Probe},
+            node::Leaf,
+            split::Item,
+            tree::Tree,
+            walk::{Nearest, Walk},
+        },
+        pages::Pages,
+        runs::{count, geometries},
+    },
+    simd::LANES,
+    tracer::{
+        geometry::Geometry,
+        ray::Ray,
+        shape::{face::Own, sphere::Sphere},
+        world::World,
+    },
+};
+
+/// Some geometries of a world.
+#[derive(Clone, Debug)]
+pub(crate) struct Portion {
+    /// The geometries tested by the plain loop: planes, and those outside of the frame.
+    pub(super) apart: Vec<usize>,
+    pub(super) shapes: Option<Shapes>,
+}
+
+/// The bounded shapes of a world.
+#[derive(Clone, Debug)]
+pub(super) struct Shapes {
+    pub(super) frame: Frame,
+    pub(super) tree: Tree,
+    pub(super) leaves: Vec<Leaf>,
+}
+
+impl Shapes {
+    /// Returns the sphere in a lane of a leaf.
+    pub(super) fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
+        self.leaves.get(leaf)?.sphere(lane)
+    }
+
+    /// Calls `see` with the index of every sphere that has the same numbers, and so the same box.
+    pub(super) fn twins(&self, sphere: &Sphere, mut see: impl FnMut(usize)) {
+        let Some(hull) = Hull::new(&(*sphere).into()) else {
+            return;
+        };
+        self.tree.around(self.frame.hull(&hull), |number| {
+            let leaf = &self.leaves[number];
+            let lanes = (0..LANES).filter(|lane| leaf.sphere(*lane).as_ref() == Some(sphere));
+            lanes.for_each(|lane| see(leaf.index[lane] as usize));
+        });
+    }
+
+    /// Returns the walk of a ray that leaves the face `own`, if it leaves one.
+    #[inline(always)]
+    pub(super) fn walk<'a, const ANY: bool>(
+        &'a self,
+        geometries: &'a [Geometry],
+        (ray, probe): (&'a Ray, &'a Probe),
+        nearest: Nearest,
+        own: Option<&'a Own<'a>>,
+    ) -> Walk<'a, ANY> {
+        Walk {
+            tree: &self.tree,
+            leaves: &self.leaves,
+            geometries,
+            ray,
+            probe,
+            nearest,
+            own,
+            glass: None,
+        }
+    }
+}
+
+impl Portion {
+    /// Builds the tree of some geometries. If it is cancelled, all shapes are apart.
+    pub(super) fn new(world: &World, runs: &[Range<usize>], builder: Builder<'_>) -> Self {
+        let some = || geometries(world, runs);
+        let hulls = || some().filter_map(inside);
+        // A tree of a single shape, such as a mesh, has no boxes: the plain loop is faster.
+        let second = hulls().nth(1);
+        let frame = second.and_then(|_| Frame::around(hulls().map(|(_, hull)| hull)));
+        let shapes = frame.and_then(|frame| {
+            let items = hulls().map(|(index, hull)| {
+                let [center, half] = frame.hull(&hull);
+                Item::new(center, half, index)
+            });
+            let items = Pages::collect(count(runs), items);
+            let (tree, lists) = builder.tree(items, Lists::default())?;
+            let leaves = builder.leaves(&lists, world.geometries());
+            Some(Shapes {
+                frame,
+                tree,
+                leaves,
+            })
+        });
+        let within = |at: &(usize, &Geometry)| shapes.is_some() && inside(*at).is_some();
+        let mut apart = Vec::new();
+        let others = some().filter(|at| !within(at));
+        others.for_each(|(index, _)| apart.push(index));
+        Self { apart, shapes }
+    }
+}
+
+/// Returns the index of a geometry and its box; `None` if it cannot be in the tree.
+fn inside((index, geometry): (usize, &Geometry)) -> Option<(u32, Hull)> {
+    let hull = Hull::new(geometry.shape())?;
+    (index <= Item::LAST).then_some((index as u32, hull))
+}

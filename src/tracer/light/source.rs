@@ -1,0 +1,67 @@
+//! Where light comes from, and how much of it.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    light::falloff::{Fading, Falloff},
+    radiance::Radiance,
+    vector::in_range,
+};
+
+/// The place that light comes from. It determines the light at each point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// All directions.
+    Everywhere,
+    /// The viewer.
+    Viewer,
+    /// This direction, of any length, from all surfaces.
+    Direction(DVec3),
+    /// A point.
+    Point {
+        position: DVec3,
+        falloff: Falloff,
+        /// The cone that the light is limited to.
+        cone: Option<Fading>,
+    },
+}
+
+/// The color and the intensity of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glow {
+    color: Color,
+    intensity: f64,
+    /// `intensity · lin(color)`
+    pub(super) radiance: Radiance,
+}
+
+/// The largest intensity of a light.
+pub(crate) const BRIGHTEST: f64 = 1e12;
+
+impl Glow {
+    pub(crate) fn new(color: Color, intensity: f64) -> Result<Self, GeometryError> {
+        let intensity = in_range(intensity, "intensity", [0.0, BRIGHTEST])?;
+        Ok(Self {
+            color,
+            intensity,
+            radiance: color.to_linear() * intensity,
+        })
+    }
+
+    /// The color.
+    pub const fn color(&self) -> Color {
+        self.color
+    }
+
+    /// The intensity, from 0 to 1e12.
+    pub const fn intensity(&self) -> f64 {
+        self.intensity
+    }
+
+    /// The linear light of the color times the intensity.
+    pub const fn radiance(&self) -> Radiance {
+        self.radiance
+    }
+}
