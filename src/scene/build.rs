@@ -131,17 +131,6 @@ pub(crate) fn geometries(
     })
 }
 
-/// Adds the copies that a scene holds to its tables and parts, which have been read. `admits` is asked
-/// before each list of copies, with the number of shapes that it is.
-pub(crate) fn add_copies(
-    model: &Model,
-    tables: &mut Tables,
-    admits: impl FnMut(Ordinal, usize) -> bool,
-) {
-    let all = model.copies().collect();
-    copy(model, tables, all, admits);
-}
-
 /// Follows a change of some leaves of a scene in its tables, parts and copies.
 ///
 /// # Errors
@@ -197,7 +186,9 @@ pub(crate) fn replace(
     Ok(true)
 }
 
-fn copy(
+/// Adds lists of copies to the tables and parts of a scene, which have been read. `admits` is asked before
+/// each list, with the number of shapes that it is.
+pub(crate) fn copy(
     model: &Model,
     tables: &mut Tables,
     lists: Vec<(Ordinal, CopiesModel)>,

@@ -315,7 +315,7 @@ mod tests {
     /// Returns the number of frames that are looked at, and checks that all frames reach no farther.
     fn looked_at(model: &Model, directions: &[DVec3]) -> usize {
         let (mut tables, frames) = (Tables::default(), Frames::of(model).unwrap());
-        build::add_copies(model, &mut tables, |_, _| true);
+        build::copy(model, &mut tables, model.copies().collect(), |_, _| true);
         let (known, cancel) = (Known::default(), Cancel::new());
         let framing = framing(model, (&tables, &frames), &known, &cancel);
         let mut few = Content::new(&framing);

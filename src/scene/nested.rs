@@ -10,7 +10,7 @@ use crate::{
     diagnostic::{Code, plain, reading::folder_of},
     parallel::{Cancel, timings::Timings},
     scene::{
-        build::{self},
+        build,
         check::Checked,
         files::{self, Folder},
         format::{
@@ -97,7 +97,7 @@ pub(super) fn read(
 /// copies would take any time, so those of all files count together.
 pub(super) fn add_copies(model: &Model, tables: &mut Tables, cache: &PartCache) -> Vec<Problem> {
     let mut problems = Vec::new();
-    build::add_copies(model, tables, |at, count| {
+    build::copy(model, tables, model.copies().collect(), |at, count| {
         let all = cache.add_copies(count, 0).geometries;
         // Only the first that are too many are reported.
         if all > MOST_COPIES && all.saturating_sub(count) <= MOST_COPIES {
