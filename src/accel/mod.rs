@@ -6,7 +6,8 @@
 //! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`]; so is a list of
 //! copies, in [`instances`].
 //! [`shadow`] finds which of many points lie in the shadow of a light.
-//! [`kept`] holds what the frames of an animation share.
+//! [`index`] gives meshes and copies their trees.
+//! [`kept`] holds what the frames of an animation share, and [`runs`] the parts of a world that it is of.
 //! [`round`] tests cylinders and discs by eight rays.
 //! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 

@@ -11,7 +11,7 @@ use crate::{
     scene::{
         files::{self, Folder, Refused},
         foreign::{Foreign, start_of},
-        format::{color_by::ColorByModel, geometry::table::TableModel},
+        format::{color_by::ColorByModel, geometry::kind::TableModel},
         problem::{Focus, Problem},
     },
     text::nearest::{list, nearest, quote},

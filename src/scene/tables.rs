@@ -15,8 +15,11 @@ use crate::{
         format::{
             color::ColorModel,
             geometry::{
-                GeometryModel, kind::CopiesModel, ordinal::Ordinal, placement::Placement,
-                table::TableModel, walk::Leaf,
+                GeometryModel,
+                kind::{CopiesModel, TableModel},
+                ordinal::Ordinal,
+                placement::Placement,
+                walk::Leaf,
             },
             material::MaterialsModel,
             scene::Model,

@@ -2,7 +2,8 @@
 //!
 //! [`frame`] projects points and shapes as the light sees them and divides that picture into tiles.
 //! [`lists`] finds the shapes that may shadow the points of a tile. [`meet`] tests these shapes, by
-//! the equations of the format.
+//! the equations of the format. [`casters`] are what shadows, and the light that they shadow from;
+//! [`occluders`] are those among some geometries of a world.
 
 pub(crate) mod casters;
 mod frame;

@@ -7,7 +7,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, Severity, path::Path},
     scene::{
         document::Document,
-        format::geometry::{GeometryModel, table::TableModel},
+        format::geometry::{GeometryModel, kind::TableModel},
         part::PartFindings,
     },
 };

@@ -7,7 +7,7 @@ use crate::{
         camera::CameraModel,
         cameras::{CamerasModel, NAMES},
         color::ColorModel,
-        geometry::GeometryModel,
+        geometry::{GeometryModel, group::GroupModel},
         image::ImageModel,
         light::LightModel,
         lighting::LightingModel,
@@ -61,7 +61,7 @@ impl Model {
     }
 
     /// The name of the only list that may be long.
-    pub(crate) const LONG: &'static str = "geometries";
+    pub(crate) const LONG: &'static str = GroupModel::LIST;
 
     /// The version of the format that this program reads.
     pub(crate) const VERSION: u32 = 1;

@@ -3,13 +3,10 @@
 use crate::{
     diagnostic::Code,
     scene::{
-        format::{
-            geometry::{
-                GeometryModel,
-                inside::Inside,
-                kind::{FIELDS, GeometryKind, geometry},
-            },
-            scene::Model,
+        format::geometry::{
+            GeometryModel,
+            inside::Inside,
+            kind::{FIELDS, GeometryKind, geometry},
         },
         problem::Problem,
     },
@@ -24,18 +21,23 @@ geometry! {
     }
 }
 
+impl GroupModel {
+    /// The name of its list, which a scene has too.
+    pub(in crate::scene::format) const LIST: &str = "geometries";
+}
+
 impl GeometryKind for GroupModel {
     fn faults(&self) -> Vec<Problem> {
         let message = "this has no effect: the group has no geometries";
         let problem = || {
-            Problem::of_field(Code::NoEffect, Model::LONG, message)
+            Problem::of_field(Code::NoEffect, Self::LIST, message)
                 .help("add geometries to the group, or remove it")
         };
         Vec::from_iter(self.geometries.is_empty().then(problem))
     }
 
     fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
-        [Some(Inside::list(Model::LONG, &self.geometries)), None]
+        [Some(Inside::list(Self::LIST, &self.geometries)), None]
     }
 
     fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {

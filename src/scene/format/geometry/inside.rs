@@ -5,8 +5,15 @@ use std::{slice, sync::LazyLock};
 use crate::{
     diagnostic::path::Step,
     scene::format::{
-        geometry::GeometryModel,
+        geometry::{GeometryModel, placement::Placement},
         thing::{Thing, Type, Variant},
+    },
+    tracer::{
+        error::GeometryError,
+        shape::{
+            Shape,
+            solid::{Operation, Solid},
+        },
     },
 };
 
@@ -134,4 +141,25 @@ impl Child<'_> {
         };
         (steps.first()?.name() == Some(self.inside.field)).then_some(count)
     }
+}
+
+/// Returns the shape of a solid combined from those inside of it, each of which is mapped by its own
+/// transform and by those around it.
+#[inline(never)]
+pub(super) fn combined<'a>(
+    operation: Operation,
+    inside: impl IntoIterator<Item = Inside<'a>>,
+    around: &Placement,
+) -> Result<Shape, GeometryError> {
+    let operands = inside.into_iter().flat_map(|inside| inside.geometries);
+    let shapes = operands.map(|operand| {
+        let placement = around.within(operand.transform());
+        if let Some(operation) = operand.combination() {
+            return combined(operation, operand.inside(), &placement);
+        }
+        let refused = || Err(GeometryError::NotSolid { kind: "geometry" });
+        placement.place(operand.any_shape().unwrap_or_else(refused)?)
+    });
+    let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+    Solid::new(operation, shapes).map(Shape::from)
 }

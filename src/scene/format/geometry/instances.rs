@@ -5,10 +5,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{
-                kind::{CopiesModel, GeometryKind, SeveralWords, geometry},
-                table::TableModel,
-            },
+            geometry::kind::{CopiesModel, GeometryKind, SeveralWords, TableModel, geometry},
             thing::Type,
             transform::TransformModel,
         },

@@ -3,11 +3,15 @@
 use std::sync::Arc;
 
 use crate::{
+    data::table::kind::RowKind,
     scene::{
         format::{
+            color::ColorModel,
+            color_by::ColorByModel,
             geometry::{
-                GeometryModel, inside::Inside, placement::Placement, solid::combined,
-                table::TableModel,
+                GeometryModel,
+                inside::{Inside, combined},
+                placement::Placement,
             },
             material::{MaterialModel, Surface},
             transform::TransformModel,
@@ -175,3 +179,16 @@ macro_rules! colored {
 }
 
 pub(super) use {colored, geometry};
+
+/// A geometry that names a table, whatever its rows stand for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TableModel<'a> {
+    pub(crate) kind: RowKind,
+    pub(crate) file: &'a str,
+    pub(crate) columns: Option<&'a [Box<str>]>,
+    pub(crate) array: Option<&'a str>,
+    pub(crate) radius: Option<f64>,
+    pub(crate) color: Option<&'a ColorModel>,
+    pub(crate) color_by: Option<&'a ColorByModel>,
+    pub(crate) material: Option<&'a MaterialModel>,
+}

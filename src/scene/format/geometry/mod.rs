@@ -53,8 +53,7 @@ use crate::{
             field::{FieldKind, Name, Value},
             geometry::{
                 inside::Inside,
-                kind::{Coat, CopiesModel, GeometryKind, SeveralWords},
-                table::TableModel,
+                kind::{Coat, CopiesModel, GeometryKind, SeveralWords, TableModel},
             },
             material::{Materials, Surface},
             thing::Thing,

@@ -13,10 +13,8 @@ use crate::{
             group::GroupModel,
             inside::Inside,
             kind::{FIELDS, GeometryKind, geometry},
-            placement::Placement,
         },
         material::{MaterialModel, Materials, Surface},
-        scene::Model,
         thing::{Object, OneOf, Thing, Type, Variant},
     },
     tracer::{
@@ -65,7 +63,7 @@ static GROUP: LazyLock<Object> = LazyLock::new(|| {
         let fields = GroupModel::FIELDS.iter().copied();
         fields
             .map(|field| match field.name {
-                Model::LONG => Field {
+                GroupModel::LIST => Field {
                     of_type: || Type::List(solid, 1),
                     ..field
                 },
@@ -164,27 +162,6 @@ impl GeometryKind for DifferenceModel {
     fn operation(&self) -> Option<Operation> {
         Some(Operation::Difference)
     }
-}
-
-/// Returns the shape of a solid combined from those inside of it, each of which is mapped by its own
-/// transform and by those around it.
-#[inline(never)]
-pub(super) fn combined<'a>(
-    operation: Operation,
-    inside: impl IntoIterator<Item = Inside<'a>>,
-    around: &Placement,
-) -> Result<Shape, GeometryError> {
-    let operands = inside.into_iter().flat_map(|inside| inside.geometries);
-    let shapes = operands.map(|operand| {
-        let placement = around.within(operand.transform());
-        if let Some(operation) = operand.combination() {
-            return combined(operation, operand.inside(), &placement);
-        }
-        let refused = || Err(GeometryError::NotSolid { kind: "geometry" });
-        placement.place(operand.any_shape().unwrap_or_else(refused)?)
-    });
-    let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
-    Solid::new(operation, shapes).map(Shape::from)
 }
 
 impl GeometryModel {

@@ -7,24 +7,11 @@ use crate::{
     scene::format::{
         color::ColorModel,
         color_by::ColorByModel,
-        geometry::kind::{GeometryKind, SeveralWords, geometry},
+        geometry::kind::{GeometryKind, SeveralWords, TableModel, geometry},
         material::MaterialModel,
         thing::Type,
     },
 };
-
-/// A geometry that names a table, whatever its rows stand for.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct TableModel<'a> {
-    pub(crate) kind: RowKind,
-    pub(crate) file: &'a str,
-    pub(crate) columns: Option<&'a [Box<str>]>,
-    pub(crate) array: Option<&'a str>,
-    pub(crate) radius: Option<f64>,
-    pub(crate) color: Option<&'a ColorModel>,
-    pub(crate) color_by: Option<&'a ColorByModel>,
-    pub(crate) material: Option<&'a MaterialModel>,
-}
 
 /// Defines the table that a geometry names.
 macro_rules! table {
