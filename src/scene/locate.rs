@@ -16,7 +16,7 @@ use crate::{
         problem::{Cure, Focus, Problem},
         recover::{
             fix::removal,
-            text::{Repairs, name_of},
+            text::{Repairs, VariantText, name_of},
         },
     },
     text::{
@@ -91,10 +91,8 @@ impl<'a> Locator<'a> {
         Some(match focus {
             Focus::Bracket => self.bracket(node),
             // In JSON the name is the only key of an object, in RON it precedes the bracket.
-            Focus::Name => match self.tree.fields(node).next().filter(|_| body.is_some()) {
-                Some((name, _)) => self.tree.node(name).range(),
-                None => whole.name().unwrap_or_else(|| whole.range()),
-            },
+            Focus::Name => VariantText::of(self.text, self.tree, node)
+                .map_or_else(|| whole.range(), |written| written.place),
             Focus::Content => self.tree.node(self.content(node)?).range(),
             Focus::Value | Focus::Key => whole.range(),
         })
@@ -297,20 +295,18 @@ pub(crate) fn content(text: &str, tree: &Tree, (id, of_type): Typed) -> Typed {
     let Some(one_of @ Type::OneOf(_)) = of_type else {
         return (id, of_type);
     };
-    let node = tree.node(id);
-    let mut fields = tree.fields(id);
-    match (node.name(), fields.next(), fields.next()) {
-        (Some(name), ..) => {
-            let inside = tree.children(id).next();
-            let inside = inside.filter(|_| node.kind() == NodeKind::Tuple);
-            let name = text.get(name).unwrap_or_default();
-            (inside.unwrap_or(id), one_of.value(name))
-        }
-        (None, Some((key, value)), None) if tree.syntax() == Syntax::Json => {
-            (value, one_of.value(&name_of(text, tree, key)))
-        }
-        _ => (id, of_type),
-    }
+    let written = VariantText::of(text, tree, id);
+    let Some(VariantText {
+        name,
+        body: Some(body),
+        ..
+    }) = written
+    else {
+        return (id, of_type);
+    };
+    let is_tuple = tree.syntax() == Syntax::Ron && tree.node(id).kind() == NodeKind::Tuple;
+    let inside = tree.children(body).next().filter(|_| is_tuple);
+    (inside.unwrap_or(body), one_of.value(&name))
 }
 
 /// Returns the fields of a struct, the entries of a map or the elements of a list: those of the first two

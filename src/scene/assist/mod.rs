@@ -1,5 +1,5 @@
 //! Help with writing a scene: what fits at a place, what something means, and where the colors are.
-//! All of it derives from the JSON Schema and the tree of the text, which may be broken.
+//! All of it derives from the types of the format and the tree of the text, which may be broken.
 
 mod colors;
 mod complete;

@@ -12,8 +12,9 @@ use crate::{
             thing::{Thing, Type},
         },
         locate::{body, items},
+        recover::text::VariantText,
     },
-    text::syntax::{NodeId, Syntax, name},
+    text::syntax::NodeId,
 };
 
 /// The number of elements up to which all are listed. Of longer lists, only those with a name are.
@@ -163,16 +164,13 @@ fn inside(finder: &Finder, item: NodeId, kind: SymbolKind) -> Vec<Symbol> {
 /// Returns the name of a variant and its range.
 fn variant(finder: &Finder, value: NodeId) -> (String, Range<usize>) {
     let tree = finder.tree;
-    let node = tree.node(value);
-    if let Some(range) = node.name() {
-        let text = finder.text.get(range.clone()).unwrap_or_default();
-        return (name(text).to_owned(), range);
-    }
-    match tree.fields(value).next() {
-        Some((key, _)) if tree.syntax() == Syntax::Json => {
-            (finder.name(key).into_owned(), tree.node(key).range())
-        }
-        _ => (String::new(), node.range()),
+    match VariantText::of(finder.text, tree, value) {
+        Some(VariantText {
+            name,
+            place,
+            body: Some(_),
+        }) => (name.into_owned(), place),
+        _ => (String::new(), tree.node(value).range()),
     }
 }
 

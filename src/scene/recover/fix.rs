@@ -4,7 +4,10 @@ use std::ops::Range;
 
 use crate::{
     diagnostic::Fix,
-    scene::recover::{nameless::is_known, text::Text},
+    scene::recover::{
+        nameless::is_known,
+        text::{Text, VariantText},
+    },
     text::{
         edit::Edit,
         syntax::{NodeId, NodeKind, Syntax, Tree, float, string},
@@ -111,17 +114,8 @@ pub(super) fn alone(document: Text<'_>, id: NodeId) -> Option<Fix> {
 /// Returns true if a value is a variant with content.
 fn is_variant(document: Text<'_>, id: NodeId) -> bool {
     let tree = document.tree;
-    match (tree.syntax(), tree.node(id).kind()) {
-        (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
-            tree.node(id).name().is_some()
-        }
-        (Syntax::Json, NodeKind::Map) => {
-            let mut fields = tree.fields(id);
-            let first = fields.next().filter(|_| fields.next().is_none());
-            first.is_some_and(|(key, _)| is_known(document.source(key).trim_matches('"')))
-        }
-        _ => false,
-    }
+    let written = VariantText::of(document.text, tree, id).filter(|it| it.body.is_some());
+    written.is_some_and(|it| tree.syntax() == Syntax::Ron || is_known(&it.name))
 }
 
 /// The expected type of a value.

@@ -158,3 +158,39 @@ pub(crate) fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, st
         _ => name(source).into(),
     }
 }
+
+/// A variant as it is written.
+pub(crate) struct VariantText<'t> {
+    pub(crate) name: Cow<'t, str>,
+    /// The place of the name.
+    pub(crate) place: Range<usize>,
+    /// The value with its content, if it has any: in RON the whole value.
+    pub(crate) body: Option<NodeId>,
+}
+
+impl<'t> VariantText<'t> {
+    /// Returns the variant in a node, if it is written as one.
+    pub(crate) fn of(text: &'t str, tree: &Tree, id: NodeId) -> Option<Self> {
+        let node = tree.node(id);
+        let (place, body) = match (tree.syntax(), node.kind()) {
+            (Syntax::Ron, NodeKind::Name) | (Syntax::Json, NodeKind::String) => {
+                (node.range(), None)
+            }
+            (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
+                (node.name()?, Some(id))
+            }
+            (Syntax::Json, NodeKind::Map) => {
+                let mut fields = tree.fields(id);
+                let (key, body) = fields.next().filter(|_| fields.next().is_none())?;
+                (tree.node(key).range(), Some(body))
+            }
+            _ => return None,
+        };
+        let source = text.get(place.clone()).unwrap_or_default();
+        let name = match tree.syntax() {
+            Syntax::Ron => name(source).into(),
+            Syntax::Json => string(source, Syntax::Json).unwrap_or_default(),
+        };
+        Some(Self { name, place, body })
+    }
+}

@@ -20,13 +20,13 @@ use crate::{
             access::{Elements, Fields, fields, given_fields, stand_ins},
             elsewhere::absent,
             fix, foreign, nameless,
-            text::Text,
+            text::{Text, VariantText},
         },
     },
     text::{
         edit::Edit,
         nearest::{list, one_of, quote},
-        syntax::{NodeId, NodeKind, Syntax, name, string},
+        syntax::{NodeId, NodeKind, Syntax, string},
     },
 };
 
@@ -71,17 +71,17 @@ impl<'a, 'p> Variant<'a, 'p> {
         variants: &'static [&'static str],
     ) -> Self {
         let stand_in = Self::stand_in(document, path, variants);
-        let Some(given) = given(document, id) else {
+        let Some(written) = VariantText::of(document.text, document.tree, id) else {
             let variants = fitting(path, variants);
             document.replace(id, no_variant(document, path, id, variants));
             return stand_in;
         };
-        let spelt = match document.tree.syntax() {
-            Syntax::Ron => name(document.slice(given.place.clone())).into(),
-            Syntax::Json => {
-                string(document.slice(given.place.clone()), Syntax::Json).unwrap_or_default()
-            }
+        let given = Given {
+            place: written.place,
+            body: written.body,
+            whole: id,
         };
+        let spelt = written.name;
         let mut all = variants.iter().copied();
         if let Some(name) = all.find(|variant| *variant == spelt) {
             return Self {
@@ -137,28 +137,6 @@ impl Given {
         let is_empty = |body| tree.children(body).next().is_none();
         self.body.is_none_or(is_empty) && tree.comments_in(tree.node(self.whole).range()).is_empty()
     }
-}
-
-fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
-    let tree = document.tree;
-    let node = tree.node(id);
-    let (place, body) = match (tree.syntax(), node.kind()) {
-        (Syntax::Ron, NodeKind::Name) | (Syntax::Json, NodeKind::String) => (node.range(), None),
-        (Syntax::Ron, NodeKind::Struct | NodeKind::Tuple | NodeKind::Unit) => {
-            (node.name()?, Some(id))
-        }
-        (Syntax::Json, NodeKind::Map) => {
-            let mut fields = tree.fields(id);
-            let (key, body) = fields.next().filter(|_| fields.next().is_none())?;
-            (tree.node(key).range(), Some(body))
-        }
-        _ => return None,
-    };
-    Some(Given {
-        place,
-        body,
-        whole: id,
-    })
 }
 
 /// Returns the variants that are valid at a path: inside of a solid only solids.
