@@ -86,6 +86,51 @@ fn imports_go_upwards_only() {
     assert!(seen > 100, "only {seen} imports were found");
 }
 
+// A `mod.rs` gives its children what they share; only a circle beside that makes files hard to read apart.
+#[test]
+fn no_more_than_three_files_import_each_other() {
+    let is_test = |file: &Source| file.path.iter().any(|part| part == "tests");
+    let mut files = sources();
+    files.retain(|file| !is_test(file));
+    let modules = files.iter().filter(|file| file.name.ends_with("mod.rs"));
+    let modules: BTreeSet<_> = modules.map(|file| file.path.as_slice()).collect();
+    let graph: BTreeMap<_, BTreeSet<_>> = files
+        .iter()
+        .map(|file| {
+            let imports = imports(&file.path, &file.text).into_iter();
+            let files = imports.filter_map(|import| {
+                let mut ends = (1..=import.len()).rev();
+                let longest = ends.find(|end| files.iter().any(|to| to.path == import[..*end]))?;
+                Some(import[..longest].to_vec())
+            });
+            let is_parent = |to: &[String]| {
+                file.path.starts_with(to) && (modules.contains(to) || file.path == to)
+            };
+            let others = files.filter(|to| !is_parent(to));
+            (file.path.clone(), others.collect())
+        })
+        .collect();
+    let reached = graph.keys().map(|file| {
+        let (mut reached, mut open) = (BTreeSet::new(), vec![file]);
+        while let Some(next) = open.pop() {
+            open.extend(graph[next].iter().filter(|to| reached.insert(*to)));
+        }
+        (file, reached)
+    });
+    let reached: BTreeMap<_, _> = reached.collect();
+    let mut largest = 0;
+    for (file, others) in &reached {
+        let circle: Vec<_> = others
+            .iter()
+            .filter(|other| reached[**other].contains(file))
+            .map(|other| other.join("/"))
+            .collect();
+        assert!(circle.len() <= 3, "these import each other: {circle:#?}");
+        largest = largest.max(circle.len());
+    }
+    assert_eq!(largest, 3, "left: the largest circle");
+}
+
 #[test]
 fn files_are_opened_in_one_place() {
     let mut found = Vec::new();
