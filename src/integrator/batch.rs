@@ -126,7 +126,7 @@ impl<'a> SampleRow<'a> {
         };
         let along = [t * d[0], t * d[1], t * d[2]];
         let normal = normal(simd, o, along, d, &surfaces);
-        let is_front = dot(d, normal).lt(simd.splat(0.0));
+        let is_front = dot(d, normal).le(simd.splat(0.0));
         Hits {
             indices,
             faces,

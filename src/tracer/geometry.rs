@@ -199,7 +199,8 @@ impl Geometry {
     /// Returns the part of a ray's light that goes straight on at a crossing: none if the geometry
     /// is opaque.
     ///
-    /// A flat shape of glass is a pane without thickness, met from outside on both sides.
+    /// Each face of glass is met as from outside. A ray that comes out of a window has the angle at
+    /// which it came in, so that a window lets light through at every angle.
     pub(crate) fn transmission(&self, ray: &Ray, crossing: Crossing) -> Radiance {
         if !self.has_glass() {
             return Radiance::BLACK;
@@ -212,8 +213,7 @@ impl Geometry {
         let cosine = unit(ray.direction()).dot(hit.normal).abs();
         // A direction so short that its square is 0 has no angle.
         let cosine = if cosine.is_nan() { 1.0 } else { cosine };
-        let from_outside = hit.front_face || self.shape.is_pane(crossing.face);
-        let reflected = glass.fresnel(cosine, from_outside).reflected;
+        let reflected = glass.fresnel(cosine, true).reflected;
         glass.color().to_linear() * (1.0 - reflected)
     }
 
@@ -246,8 +246,9 @@ mod tests {
     use super::*;
     use crate::tracer::{
         colormap::{Colormap, scale::ColorScale},
-        material::Emissive,
-        shape::{mesh::Mesh, plane::Plane, sphere::Sphere},
+        material::{Emissive, glass::Glass},
+        shape::{cuboid::Cuboid, face::FaceId, mesh::Mesh, plane::Plane, sphere::Sphere},
+        world::World,
     };
 
     #[test]
@@ -329,6 +330,35 @@ mod tests {
         };
         let found = [color(0.0, 5.0), color(2.0, 5.0), color(0.0, 4.0)];
         assert_eq!(found, [red, blue, Color::WHITE]);
+    }
+
+    // Beyond 41.8 degrees, a ray at this angle inside of the glass would be reflected totally.
+    #[test]
+    fn a_window_lets_light_through_at_every_angle() {
+        let glass = Glass::new(Color::WHITE, 1.5).unwrap();
+        let floor = Plane::new(DVec3::NEG_Y, DVec3::Y).unwrap();
+        let [low, high] = [DVec3::new(-90.0, 0.0, -90.0), DVec3::new(90.0, 0.1, 90.0)];
+        let pane = Geometry::new(Cuboid::new(low, high).unwrap(), glass);
+        let world = World::new(vec![Geometry::new(floor, Color::WHITE), pane], Color::BLACK);
+        for degrees in [0.0, 45.0, 60.0, 75.0, 85.0_f64] {
+            let (sin, cos) = libm::sincos(degrees.to_radians());
+            let ray = Ray::new(DVec3::NEG_Y, DVec3::new(sin, cos, 0.0));
+            let own = FaceId {
+                geometry: 0,
+                face: 0,
+            };
+            let light = world.transmission(&ray, f64::INFINITY, own).max_channel();
+            let passed = 1.0 - glass.fresnel(cos, true).reflected;
+            assert!((light - passed * passed).abs() < 1e-15, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn a_grazing_ray_comes_from_outside() {
+        let ball = Geometry::new(Sphere::new(DVec3::ZERO, 1.0).unwrap(), Color::WHITE);
+        let ray = Ray::new(DVec3::new(-2.0, 1.0, 0.0), DVec3::X);
+        let hit = ball.hit(&ray).unwrap();
+        assert_eq!((hit.normal, hit.front_face), (DVec3::Y, true));
     }
 
     #[test]

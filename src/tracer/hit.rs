@@ -23,7 +23,7 @@ pub struct Hit<'a> {
     /// The unit normal at the point: outward for a closed shape, along `n` for a flat one. It does
     /// not depend on the side that the ray comes from.
     pub normal: DVec3,
-    /// True if the ray comes from the side that the normal points to.
+    /// True if the ray comes from the side that the normal points to, or along the surface.
     pub front_face: bool,
     /// The number of the face that was hit, in the order that the shape documents; 0 for a shape
     /// with one face.
@@ -101,7 +101,7 @@ impl<'a> Hit<'a> {
             t,
             point: ray.at(t),
             normal,
-            front_face: ray.direction().dot(normal) < 0.0,
+            front_face: ray.direction().dot(normal) <= 0.0,
             face,
             geometry,
             weights: weights.unwrap_or_default(),

@@ -526,11 +526,9 @@ class World:
         return part
 
     def crossing(self, index, at, d):
-        """Returns the Fresnel factor where a straight line crosses glass."""
+        """Returns the Fresnel factor where a straight line crosses glass, as from outside."""
         cos = dots(units(d), self.shapes[index].normal(at, d))
-        ior = self.materials[index].ior
-        outward = (cos > 0.0) & (not self.shapes[index].is_pane)
-        return fresnel(np.abs(cos), np.where(outward, ior, 1.0 / ior))[0]
+        return fresnel(np.abs(cos), 1.0 / self.materials[index].ior)[0]
 
     def incident(self, light, p, n, v, own):
         """Returns I without n·l, and l; l is None for light from everywhere."""
