@@ -22,7 +22,7 @@ use crate::{
     },
     film::colors::ColorTable,
     parallel::Cancel,
-    tracer::world::World,
+    tracer::{material::lobes::LightOfMaterials, world::World},
 };
 
 /// Below this number of geometries, all is built as soon. Tests use less.
@@ -43,8 +43,8 @@ pub(crate) struct Kept {
     /// By the number of the light.
     pub(super) occluders: Slots<(usize, Casters), Toward, Occluders>,
     pub(super) portion: Slots<(), (), Portion>,
-    /// True if a material sends rays, by whether the world is lit.
-    pub(crate) sends_rays: Slots<(), bool, bool>,
+    /// What the materials do with light, by whether the world is lit.
+    pub(crate) light: Slots<(), bool, LightOfMaterials>,
     /// The colors of all geometries in some frame.
     pub(crate) colors: Slots<(), (), ColorTable<3>>,
 }
@@ -69,7 +69,7 @@ impl Kept {
             bins: Slots::default(),
             occluders: Slots::default(),
             portion: Slots::default(),
-            sends_rays: Slots::default(),
+            light: Slots::default(),
             colors: Slots::default(),
         })
     }

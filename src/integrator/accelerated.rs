@@ -10,6 +10,7 @@ use crate::{
     },
     integrator::direct::Queries,
     tracer::{
+        material::lobes::LightOfMaterials,
         radiance::Radiance,
         ray::Ray,
         shape::face::{Crossing, FaceId},
@@ -24,28 +25,34 @@ pub(crate) struct Accelerated<'a> {
     world: WorldOfFrame<'a>,
     builder: Builder<'a>,
     hierarchy: OnceLock<Hierarchy>,
+    /// [`World::brightest`]
+    brightest: f64,
 }
 
 impl<'a> Accelerated<'a> {
     /// Prepares a world, of which frames may share a part.
     pub(crate) fn new(world: WorldOfFrame<'a>, builder: Builder<'a>) -> Self {
+        let key = ((), world.0.lighting().is_some());
+        let found = built(
+            world,
+            |kept| &kept.light,
+            key,
+            builder.cancel,
+            |runs, _| {
+                let materials = geometries(world.0, runs).flat_map(|(_, it)| it.materials());
+                let all = materials.map(|material| LightOfMaterials::new(&world.0.lobes(material)));
+                Some(all.fold(LightOfMaterials::default(), LightOfMaterials::and))
+            },
+        );
+        let all = found.into_iter().flatten().map(|found| *found);
+        let light = all.fold(LightOfMaterials::default(), LightOfMaterials::and);
         let accelerated = Self {
             world,
             builder,
             hierarchy: OnceLock::new(),
+            brightest: world.0.brightest_light().max(light.brightest),
         };
-        let key = ((), world.0.lighting().is_some());
-        let found = built(
-            world,
-            |kept| &kept.sends_rays,
-            key,
-            builder.cancel,
-            |runs, _| {
-                let mut materials = geometries(world.0, runs).flat_map(|(_, it)| it.materials());
-                Some(materials.any(|material| world.0.lobes(material).sends_rays()))
-            },
-        );
-        if found.into_iter().flatten().any(|sends_rays| *sends_rays) {
+        if light.sends_rays {
             accelerated.prepare();
         }
         accelerated
@@ -65,6 +72,10 @@ impl Queries for Accelerated<'_> {
             Some(hierarchy) => hierarchy.transmission(self.world.0, ray, t_max, own),
             None => self.world.0.transmission(ray, t_max, own),
         }
+    }
+
+    fn brightest(&self) -> f64 {
+        self.brightest
     }
 
     fn prepare(&self) {

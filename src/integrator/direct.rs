@@ -24,13 +24,14 @@ use crate::{
         radiance::Radiance,
         ray::Ray,
         shape::face::{Crossing, FaceId},
+        tone::Tone,
         vector::unit,
         world::{Lighting, World},
     },
 };
 
-/// The smallest part of a pixel's light for which a ray is traced: a tenth of the step between two
-/// bytes.
+/// The smallest light of a pixel, after exposure, for which a ray is traced: a sixteenth of the step
+/// between two bytes.
 const LEAST: f64 = 1.0 / 4096.0;
 
 /// The questions that the evaluation of light asks of a world.
@@ -40,6 +41,9 @@ pub(crate) trait Queries {
 
     /// Returns [`World::transmission`].
     fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance;
+
+    /// Returns [`World::brightest`].
+    fn brightest(&self) -> f64;
 
     /// Prepares for many questions.
     fn prepare(&self) {}
@@ -91,6 +95,10 @@ impl Queries for World {
     fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
         World::transmission(self, ray, t_max, own)
     }
+
+    fn brightest(&self) -> f64 {
+        World::brightest(self)
+    }
 }
 
 /// The light of a ray, by what the first surface does with it.
@@ -137,6 +145,7 @@ pub(crate) struct Direct<'a, Q> {
     world: &'a World,
     lighting: &'a Lighting,
     queries: &'a Q,
+    tone: Tone,
     /// The light of a ray that meets nothing.
     background: Shaded,
 }
@@ -277,17 +286,20 @@ impl<Q: Queries> Integrate for Direct<'_, Q> {
 }
 
 impl<'a, Q: Queries> Direct<'a, Q> {
-    /// Creates the direct lighting of a world, whose background may be transparent.
+    /// Creates the direct lighting of a world, whose background may be transparent, for a picture with
+    /// this tone.
     pub(crate) fn new(
         world: &'a World,
         lighting: &'a Lighting,
         queries: &'a Q,
+        tone: Tone,
         is_transparent: bool,
     ) -> Self {
         Self {
             world,
             lighting,
             queries,
+            tone,
             background: match is_transparent {
                 true => Shaded {
                     behind: Radiance::WHITE,
@@ -301,7 +313,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// Returns the light that arrives along a path.
     fn follow(&self, path: Path) -> Shaded {
         self.queries.tell(Step::Ray(&path));
-        let shaded = if path.factor.max_channel() < LEAST {
+        let shaded = if self.is_faint(&path) {
             self.queries.tell(Step::Faint);
             Shaded::default()
         } else {
@@ -312,6 +324,13 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         };
         self.queries.tell(Step::Brings(shaded));
         shaded
+    }
+
+    /// Returns true if the light along a path does not show in the picture, even if it meets the
+    /// brightest of all.
+    fn is_faint(&self, path: &Path) -> bool {
+        let part = self.tone.expose(path.factor).max_channel();
+        part < LEAST && part * self.queries.brightest() < LEAST
     }
 
     /// Returns the geometry that a path meets, and where, unless the path is too deep.

@@ -22,6 +22,7 @@ use crate::{
             face::{Crossing, FaceId},
             working::Term,
         },
+        tone::Tone,
         world::World,
     },
 };
@@ -98,13 +99,14 @@ pub struct ShiningLight {
     pub dark: Option<&'static str>,
 }
 
-/// Returns the steps of [`World::radiance`] in a lit world; `None` in a flat one.
-pub fn explain(world: &World, ray: &Ray) -> Option<TracedRay> {
+/// Returns the steps of [`World::radiance`] in a lit world, for a picture with this tone; `None` in a flat
+/// one.
+pub fn explain(world: &World, ray: &Ray, tone: Tone) -> Option<TracedRay> {
     let listener = Listener {
         world,
         open: RefCell::default(),
     };
-    Integrator::new(world, &listener, false).trace(ray);
+    Integrator::new(world, &listener, tone, false).trace(ray);
     listener.open.into_inner().pop()
 }
 
@@ -118,6 +120,10 @@ struct Listener<'a> {
 impl Queries for Listener<'_> {
     fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
         Queries::nearest(self.world, ray, own)
+    }
+
+    fn brightest(&self) -> f64 {
+        self.world.brightest()
     }
 
     fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
@@ -375,7 +381,7 @@ mod tests {
         for max_depth in [0, 1, 8] {
             let world = world(max_depth);
             for ray in rays() {
-                let steps = explain(&world, &ray).unwrap();
+                let steps = explain(&world, &ray, Tone::default()).unwrap();
                 assert_eq!(steps.parts.sum(), world.radiance(&ray));
                 assert_eq!(again(&steps), world.radiance(&ray), "{steps:#?}");
             }
@@ -399,10 +405,15 @@ mod tests {
         let mut counts = [0; 4];
         for depth in [1, 20] {
             let world = world(depth);
-            rays().for_each(|ray| count(&explain(&world, &ray).unwrap(), &mut counts));
+            rays().for_each(|ray| {
+                count(
+                    &explain(&world, &ray, Tone::default()).unwrap(),
+                    &mut counts,
+                )
+            });
         }
         assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
         let flat = World::new(vec![], GREY);
-        assert!(explain(&flat, &Ray::new(DVec3::ZERO, DVec3::Z)).is_none());
+        assert!(explain(&flat, &Ray::new(DVec3::ZERO, DVec3::Z), Tone::default()).is_none());
     }
 }

@@ -11,7 +11,7 @@ use crate::{
         direct::{Direct, Path, Queries, Shaded},
         flat::Flat,
     },
-    tracer::{radiance::Radiance, ray::Ray, shape::face::Crossing, world::World},
+    tracer::{radiance::Radiance, ray::Ray, shape::face::Crossing, tone::Tone, world::World},
 };
 
 /// The methods of an integrator, implemented in its own file.
@@ -35,10 +35,13 @@ pub(crate) enum Integrator<'a, Q> {
 impl<'a, Q: Queries> Integrator<'a, Q> {
     /// Returns the integrator of a world. With a transparent background, the background sends no light,
     /// but is counted in [`Shaded::behind`].
-    pub(crate) fn new(world: &'a World, queries: &'a Q, is_transparent: bool) -> Self {
+    pub(crate) fn new(world: &'a World, queries: &'a Q, tone: Tone, is_transparent: bool) -> Self {
         match world.lighting() {
             None => Self::Flat(Flat { world }),
-            Some(lighting) => Self::Direct(Direct::new(world, lighting, queries, is_transparent)),
+            Some(lighting) => {
+                let direct = Direct::new(world, lighting, queries, tone, is_transparent);
+                Self::Direct(direct)
+            }
         }
     }
 }
@@ -63,7 +66,8 @@ impl World {
     /// Returns the linear light that a ray brings back: from the lights, if the world is lit, else
     /// that of the color that it sees.
     ///
-    /// This function defines every lit picture.
+    /// This function defines every lit picture. With another exposure than 0, other rays are so faint
+    /// that they are not traced.
     ///
     /// # Examples
     ///
@@ -80,6 +84,7 @@ impl World {
     /// # Ok::<(), strahl::GeometryError>(())
     /// ```
     pub fn radiance(&self, ray: &Ray) -> Radiance {
-        Integrator::new(self, self, false).trace(ray).parts.sum()
+        let integrator = Integrator::new(self, self, Tone::default(), false);
+        integrator.trace(ray).parts.sum()
     }
 }

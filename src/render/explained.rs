@@ -141,7 +141,7 @@ impl PixelSource<'_> {
             (row - hits.rows.start) as usize,
         );
         let hit = index(hits.ids[hits.place(column, row)]);
-        let steps = explain(self.world, &ray);
+        let steps = explain(self.world, &ray, self.tone);
         let outlined_by = mask.and_then(|mask| {
             let ([x, y], id) = mask.outlined_by(column, row)?;
             Some((mask.color(), ([x, -y], index(id))))

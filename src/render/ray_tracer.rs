@@ -174,6 +174,7 @@ impl<'a> RayTracer<'a> {
                 size: self.size,
                 samples: self.samples,
                 outlines: self.outlines,
+                tone: self.tone,
                 isa: self.isa,
             };
             return shading.draw(crop, work, &mut take);

@@ -31,6 +31,7 @@ use crate::{
             plane::Plane,
             sphere::Sphere,
         },
+        tone::{Tone, ToneMapping},
         world::{Lighting, World},
     },
 };
@@ -172,6 +173,7 @@ struct Case {
     size: Size,
     samples: Samples,
     outlines: Option<Outlines>,
+    tone: Tone,
     is_transparent: bool,
 }
 
@@ -195,6 +197,7 @@ impl Case {
                 .unwrap(),
             samples: Samples::new(random.one(&[1, 1, 1, 4, 9])).unwrap(),
             outlines: random.one(&[None, None, None, Some(outlines)]),
+            tone: Tone::new(random.one(&[0.0, 0.0, 6.0, -6.0]), ToneMapping::Clip),
             is_transparent: random.below(4) == 0,
         }
     }
@@ -219,6 +222,7 @@ impl Case {
         let tracer = RayTracer::with_size(&self.camera, &self.drawn, self.size)
             .samples(self.samples)
             .outlines(self.outlines)
+            .tone(self.tone)
             .isa(isa);
         let take = |film: crate::film::Film| {
             film.runs()
@@ -333,7 +337,8 @@ impl Case {
                     hits += 1.0;
                     sum.albedo = sum.albedo + hit.color().to_linear();
                 }
-                let integrator = Integrator::new(&self.world, &self.world, self.is_transparent);
+                let integrator =
+                    Integrator::new(&self.world, &self.world, self.tone, self.is_transparent);
                 let light = match self.is_outlined(column, row) {
                     true => Shaded::direct(self.outlines.unwrap().color.to_linear()),
                     false => integrator.trace(&ray),

@@ -341,7 +341,7 @@ mod tests {
         let pane = Geometry::new(Cuboid::new(low, high).unwrap(), glass);
         let world = World::new(vec![Geometry::new(floor, Color::WHITE), pane], Color::BLACK);
         for degrees in [0.0, 45.0, 60.0, 75.0, 85.0_f64] {
-            let (sin, cos) = libm::sincos(degrees.to_radians());
+            let (sin, cos) = libm::sincos(degrees * (std::f64::consts::PI / 180.0));
             let ray = Ray::new(DVec3::NEG_Y, DVec3::new(sin, cos, 0.0));
             let own = FaceId {
                 geometry: 0,

@@ -9,7 +9,10 @@ use crate::tracer::{
     geometry::Geometry,
     hit::Hit,
     light::Light,
-    material::{Material, lobes::Lobes},
+    material::{
+        Material,
+        lobes::{LightOfMaterials, Lobes},
+    },
     radiance::Radiance,
     ray::Ray,
     shape::{
@@ -237,6 +240,23 @@ impl World {
     /// The lights; none if the world is flat.
     pub(crate) fn lights(&self) -> &[Light] {
         self.lighting().map_or(&[], |lighting| &lighting.lights)
+    }
+
+    /// Returns what the light that a ray meets is measured by: the largest of 1 and of the intensities of
+    /// all lights and of all surfaces that shine.
+    pub(crate) fn brightest(&self) -> f64 {
+        let materials = self.geometries.iter().flat_map(Geometry::materials);
+        let all = materials.map(|material| LightOfMaterials::new(&self.lobes(material)));
+        let of_materials = all.fold(LightOfMaterials::default(), LightOfMaterials::and);
+        self.brightest_light().max(of_materials.brightest)
+    }
+
+    /// The part of the lights in [`World::brightest`].
+    pub(crate) fn brightest_light(&self) -> f64 {
+        let lights = self.lights().iter();
+        lights
+            .map(|light| light.glow().intensity())
+            .fold(1.0, f64::max)
     }
 
     /// Returns what a surface does with light: in a flat world, it shows its first color.

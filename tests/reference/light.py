@@ -25,7 +25,7 @@ import shapes
 import solids
 from evaluate import optional, variant
 
-# A ray that brings less than this is black.
+# A ray that brings less than this to the picture, even from the brightest light, is black.
 FAINT = 2.0**-12
 # A shadow ray to a point ends before the surface that the light lies on.
 BEFORE_LIGHT = 1.0 - 2.0**-32
@@ -488,6 +488,10 @@ class World:
         self.lights = [variant(light) for light in scene.get("lights") or []]
         lighting = scene.get("lighting")
         self.max_depth = optional(variant(lighting)[1], "max_depth", 8.0) if lighting else 8.0
+        intensities = [material.intensity for material in self.materials if material.kind == "Emissive"]
+        intensities += [float(optional(fields, "intensity", 0.2 if name == "Ambient" else 1.0)) for name, fields in self.lights]
+        exposure = float(optional(optional(scene, "image", {}), "exposure", 0.0))
+        self.brightest = max([1.0, *intensities]) * 2.0**exposure
 
     def roots(self, index, o, d, own):
         roots = self.shapes[index].roots(o, d, self.same[own, index])
@@ -562,7 +566,7 @@ class World:
     def radiance(self, o, d, own, weight, depth):
         """Returns the light that arrives at o from the direction d, 0 for rays of little weight."""
         light = np.zeros_like(o)
-        bright = weight.max(axis=-1) >= FAINT
+        bright = weight.max(axis=-1) * self.brightest >= FAINT
         if depth > self.max_depth:
             light[bright] = self.background
         elif bright.any():

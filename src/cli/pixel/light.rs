@@ -240,7 +240,9 @@ impl ExplainedStep for TracedRay {
                 surface.text(scene, out, indent + 1)?;
                 return writeln!(out, "{pad}  brings {}", sum(&self.parts));
             }
-            RayEnd::Faint => "not traced: every channel of the factor is below 2^-12; black",
+            RayEnd::Faint => {
+                "not traced: even the brightest light would change the pixel by less than 2^-12; black"
+            }
             RayEnd::TooDeep => "not traced: deeper than max_depth; it brings the background",
             RayEnd::Background => "hits nothing: it brings the background",
         };

@@ -26,7 +26,7 @@ use crate::{
         outlines::OutlineMask,
     },
     simd::isa::Isa,
-    tracer::{camera::Camera, world::World},
+    tracer::{camera::Camera, tone::Tone, world::World},
 };
 
 /// The number of samples whose hits are in memory at once, for each thread. Tests use less.
@@ -47,6 +47,7 @@ pub(crate) struct Shading<'a, Q> {
     pub(crate) size: Size,
     pub(crate) samples: Samples,
     pub(crate) outlines: Option<Outlines>,
+    pub(crate) tone: Tone,
     pub(crate) isa: Isa,
 }
 

@@ -270,7 +270,12 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             light: [r, g, b],
             others,
         });
-        let integrator = Integrator::new(world, shading.queries, self.work.resolver.is_transparent);
+        let integrator = Integrator::new(
+            world,
+            shading.queries,
+            shading.tone,
+            self.work.resolver.is_transparent,
+        );
         for (place, shadows) in others.each() {
             let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
             let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);

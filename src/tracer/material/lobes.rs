@@ -58,3 +58,28 @@ impl Lobes<'_> {
         self.diffuse.is_some() || self.highlight.is_some()
     }
 }
+
+/// What some materials do with light.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LightOfMaterials {
+    /// True if one of them sends rays on.
+    pub(crate) sends_rays: bool,
+    /// The largest intensity of one that shines.
+    pub(crate) brightest: f64,
+}
+
+impl LightOfMaterials {
+    pub(crate) fn new(lobes: &Lobes) -> Self {
+        Self {
+            sends_rays: lobes.sends_rays(),
+            brightest: lobes.emission.map_or(0.0, |emission| emission.intensity()),
+        }
+    }
+
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            sends_rays: self.sends_rays || other.sends_rays,
+            brightest: self.brightest.max(other.brightest),
+        }
+    }
+}
