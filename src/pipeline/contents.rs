@@ -41,10 +41,10 @@ impl Scene {
         places
     }
 
-    /// Returns the indices in the world of a geometry of the scene: one, or the rows of a table, or
-    /// the geometries of a part or a group.
-    pub(crate) fn indices(&self, origin: &Origin) -> Range<usize> {
-        self.origins.indices(origin)
+    /// Returns the ids of a geometry of the scene: one, or those of the rows of a table, of the copies in a
+    /// list, or of the geometries of a part or a group.
+    pub(crate) fn ids(&self, origin: &Origin) -> Range<usize> {
+        self.origins.ids(origin)
     }
 
     /// Returns the name of a geometry in the scene, by its index in the world. All rows of a table

@@ -41,7 +41,7 @@ pub(crate) enum SpanContent {
 }
 
 impl Span {
-    fn indices(&self) -> Range<usize> {
+    fn ids(&self) -> Range<usize> {
         self.first..self.first + self.count
     }
 
@@ -134,7 +134,7 @@ impl Origins {
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
-            Some((kind, span.geometry, span.indices(), list))
+            Some((kind, span.geometry, span.ids(), list))
         })
     }
 
@@ -144,10 +144,10 @@ impl Origins {
         let last = before.checked_sub(1).and_then(|last| self.spans.get(last));
         let (geometry, span) = match last {
             None => (index, None),
-            Some(span) if span.indices().contains(&index) => {
+            Some(span) if span.ids().contains(&index) => {
                 (span.geometry, Some((span, index - span.first)))
             }
-            Some(span) => (span.geometry + 1 + (index - span.indices().end), None),
+            Some(span) => (span.geometry + 1 + (index - span.ids().end), None),
         };
         ListedGeometry {
             list: self,
@@ -223,8 +223,8 @@ impl Origins {
             .or(Some((part, index)))
     }
 
-    /// The indices in the world of a geometry of the scene.
-    pub(crate) fn indices(&self, origin: &Origin) -> Range<usize> {
+    /// The ids of a geometry of the scene.
+    pub(crate) fn ids(&self, origin: &Origin) -> Range<usize> {
         let (mut list, mut first) = (self, 0);
         let mut geometry = origin.geometry;
         for inner in &origin.in_groups {
@@ -234,7 +234,7 @@ impl Origins {
             };
             (list, first, geometry) = (group, first + span.first, *inner);
         }
-        let indices = list.indices_in_list(geometry);
+        let indices = list.ids_in_list(geometry);
         let indices = first + indices.start..first + indices.end;
         let row = origin.row.and_then(|row| indices.clone().nth(row));
         row.map_or(indices, |row| row..row + 1)
@@ -248,14 +248,14 @@ impl Origins {
         found.ok().and_then(|found| self.spans.get(found))
     }
 
-    fn indices_in_list(&self, geometry: usize) -> Range<usize> {
+    fn ids_in_list(&self, geometry: usize) -> Range<usize> {
         let before = self.spans.partition_point(|span| span.geometry <= geometry);
         let span = before.checked_sub(1).and_then(|last| self.spans.get(last));
         match span {
             None => geometry..geometry + 1,
-            Some(span) if span.geometry == geometry => span.indices(),
+            Some(span) if span.geometry == geometry => span.ids(),
             Some(span) => {
-                let index = span.indices().end + (geometry - span.geometry - 1);
+                let index = span.ids().end + (geometry - span.geometry - 1);
                 index..index + 1
             }
         }
@@ -345,7 +345,7 @@ mod tests {
         let tables = origins.containers().into_iter();
         let tables = tables.map(|table| (table.origin.geometry, table.indices));
         assert!(tables.eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
-        let indices = (0..7).map(|index| origins.indices(&geometry(index, &[])));
+        let indices = (0..7).map(|index| origins.ids(&geometry(index, &[])));
         let indices: Vec<_> = indices.collect();
         assert_eq!(indices, [0..1, 1..2, 2..5, 5..5, 5..6, 6..7, 7..8]);
         assert_eq!(Origins::default().of(7).to_string(), "geometries[7]");
@@ -387,7 +387,7 @@ mod tests {
             "geometries[2]",
         ];
         assert_eq!(found.collect::<Vec<_>>(), expected);
-        let indices = [1, 2].map(|index| origins.indices(&geometry(index, &[])));
+        let indices = [1, 2].map(|index| origins.ids(&geometry(index, &[])));
         assert_eq!(indices, [1..4, 4..5]);
         let containers = origins.containers();
         let contents: Vec<_> = containers.iter().map(|one| one.content).collect();
@@ -451,7 +451,7 @@ mod tests {
                 (name, groups.clone())
             );
             assert_eq!(origins.names_at(&origin), (name, groups));
-            assert!(origins.indices(&origin).contains(&index));
+            assert!(origins.ids(&origin).contains(&index));
         }
         for wrong in [
             "",
@@ -462,9 +462,9 @@ mod tests {
         ] {
             assert!(wrong.parse::<Origin>().is_err(), "{wrong}");
         }
-        assert_eq!(origins.indices(&geometry(1, &[])), 1..5);
-        assert_eq!(origins.indices(&geometry(1, &[2])), 4..4);
-        assert_eq!(origins.indices(&geometry(1, &[3])), 4..5);
+        assert_eq!(origins.ids(&geometry(1, &[])), 1..5);
+        assert_eq!(origins.ids(&geometry(1, &[2])), 4..4);
+        assert_eq!(origins.ids(&geometry(1, &[3])), 4..5);
         let [table] = &origins.containers()[..] else {
             panic!("there is one");
         };

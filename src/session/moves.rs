@@ -139,8 +139,7 @@ impl Checked {
                  group";
             return Err(Error::refused(message));
         };
-        let first_of_world = scene.indices(geometry).start;
-        let shape = scene.world().geometries().get(first_of_world);
+        let shape = scene.world().with_id(scene.ids(geometry).start);
         // The numbers of a geometry in groups are those before the groups move it.
         let shift = match shape.and_then(|geometry| geometry.shape().transform()) {
             None => shift(&scene, *first, right, -down),
@@ -319,6 +318,15 @@ mod tests {
         let turn = "Group(transform: (rotate: (axis: (0, 0, 1), angle: 180), scale: 0.5), ";
         let text = text.replace("Group(", turn);
         let checked = self::checked(&text);
+        let edits = checked.move_geometry(&view, &sphere, [10.0, 0.0]).unwrap();
+        let moved = edited(&text, &edits);
+        assert!(moved.contains("Sphere(center: (-0.2"), "{moved}");
+        // Each copy before it has an id.
+        let copies = "geometries: [ Instances(of: \"ball\", transforms: [(), ()]), ";
+        let text = text.replace("geometries: [ ", copies);
+        let text = text.replace("Plane(", "Plane(name: \"ball\", ");
+        let checked = self::checked(&text);
+        let sphere = origin("geometries[1].geometries[0]");
         let edits = checked.move_geometry(&view, &sphere, [10.0, 0.0]).unwrap();
         let moved = edited(&text, &edits);
         assert!(moved.contains("Sphere(center: (-0.2"), "{moved}");

@@ -169,7 +169,7 @@ impl View {
         cancel: &Cancel,
     ) -> Result<Option<Vec<u8>>, Error> {
         let scene = self.of(scene)?;
-        let geometries = scene.indices(geometry);
+        let geometries = scene.ids(geometry);
         outline(&scene, scene.size(), &geometries, &options(cancel))
     }
 }
