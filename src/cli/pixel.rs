@@ -11,6 +11,7 @@ use strahl::{
     parallel::Cancel,
     render::{Term, Working},
     scene::Origin,
+    shape::FaceId,
     text::Stamp,
 };
 
@@ -256,12 +257,25 @@ struct HitTerms<'a> {
     /// The number of the face, of a shape with several.
     #[serde(skip_serializing_if = "Option::is_none")]
     face: Option<u64>,
+    /// The other faces that the point lies on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    also_on: Vec<FaceTerms<'a>>,
     /// The name of the triangle's group in the file of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     mesh_group: Option<&'a str>,
     /// The colors or values of the corners of a mesh's triangle, if they determine the color.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<CornerTerms>,
+}
+
+/// A face of a geometry.
+#[derive(Serialize)]
+struct FaceTerms<'a> {
+    #[serde(flatten)]
+    origin: OriginTerms<'a>,
+    /// Its number, of a shape with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    face: Option<u64>,
 }
 
 impl<'a> Explanation<'a> {
@@ -324,6 +338,7 @@ impl<'a> Explanation<'a> {
                 columns: Columns::new(scene, world.id_of(index, hit.face), &hit, cancel),
                 corners: hit.interpolation().as_ref().map(CornerTerms::new),
                 face: hit.face_of_shape(),
+                also_on: also_on(scene, &ray, index, &hit),
                 mesh_group: hit.mesh_group().map(|group| group.name.as_str()),
             }),
             light,
@@ -392,6 +407,12 @@ impl fmt::Display for Explanation<'_> {
                         None => writeln!(out)?,
                     }
                 }
+                for other in hit.also_on.iter().take(FEW) {
+                    writeln!(out, "  also on      {other}")?;
+                }
+                if let Some(more @ 1..) = hit.also_on.len().checked_sub(FEW) {
+                    writeln!(out, "  and {more} more faces")?;
+                }
                 if let Some(corners) = &hit.corners {
                     write!(out, "{corners}")?;
                 }
@@ -406,6 +427,28 @@ impl fmt::Display for Explanation<'_> {
             out,
             "bytes          ({r}, {g}, {b}), each floor(c * 255 + 0.5)"
         )
+    }
+}
+
+/// Returns the other faces that the point of a hit lies on.
+fn also_on<'a>(scene: &'a Scene, ray: &Ray, index: usize, hit: &Hit) -> Vec<FaceTerms<'a>> {
+    let world = scene.world();
+    let own = FaceId {
+        geometry: index,
+        face: hit.face,
+    };
+    let others = world.faces_at(ray, index, hit).into_iter();
+    let terms = |FaceId { geometry, face }: FaceId| FaceTerms {
+        origin: OriginTerms::new(scene, world.id_of(geometry, face)),
+        face: world.geometries()[geometry].face_of_shape(face),
+    };
+    others.filter(|face| *face != own).map(terms).collect()
+}
+
+impl fmt::Display for FaceTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let face = self.face.map(|face| format!(", face {face}"));
+        write!(out, "{}{}", self.origin, face.unwrap_or_default())
     }
 }
 

@@ -130,6 +130,13 @@ impl Geometry {
         (shape, binding, face)
     }
 
+    /// Returns the number of a face in its shape, which in a copy is one of the prototype; `None` for a
+    /// shape with one face.
+    pub fn face_of_shape(&self, face: u64) -> Option<u64> {
+        let (shape, _, face) = self.surface(face);
+        shape.has_faces().then_some(face)
+    }
+
     /// Returns the geometry with another shape in place of its own.
     ///
     /// # Errors

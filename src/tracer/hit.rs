@@ -68,8 +68,7 @@ impl<'a> Hit<'a> {
     /// Returns the number of the face in its shape, which in a copy is one of the prototype; `None` for
     /// a shape with one face.
     pub fn face_of_shape(&self) -> Option<u64> {
-        let (shape, _, face) = self.geometry.surface(self.face);
-        shape.has_faces().then_some(face)
+        self.geometry.face_of_shape(self.face)
     }
 
     /// Returns the group of the triangle of a mesh, if it has one.

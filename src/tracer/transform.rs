@@ -128,6 +128,16 @@ impl Transform {
         )
     }
 
+    /// The rows of `L⁻¹`.
+    pub(crate) const fn inverse(&self) -> [DVec3; 3] {
+        self.inverse
+    }
+
+    /// The shift `s`.
+    pub(crate) const fn shift(&self) -> DVec3 {
+        self.shift
+    }
+
     #[inline]
     fn direction_back(&self, v: DVec3) -> DVec3 {
         DVec3::from(self.inverse.map(|row| row.dot(v)))

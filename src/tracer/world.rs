@@ -17,6 +17,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         Shape,
+        contact::ContactPoint,
         face::{Crossing, FaceId, Leaving, Own},
     },
     tone::Tone,
@@ -314,6 +315,36 @@ impl World {
                 is_met
             }
         })
+    }
+
+    /// Returns the faces that the point of a hit lies on: the one that was hit, and all others that are
+    /// nearer to the point than its rounding errors, in file order.
+    pub fn faces_at(&self, ray: &Ray, index: usize, hit: &Hit) -> Vec<FaceId> {
+        let own = FaceId {
+            geometry: index,
+            face: hit.face,
+        };
+        let mut distance = 0.0;
+        let point = ContactPoint::new(ray, hit.t, distance);
+        hit.geometry.shape().each_face(&point, &mut |found| {
+            if found.face == own.face && found.distance.is_finite() {
+                distance = found.distance;
+            }
+        });
+        let point = ContactPoint::new(ray, hit.t, distance);
+        let mut all = Vec::new();
+        for (geometry, of) in self.geometries.iter().enumerate() {
+            of.shape().each_face(&point, &mut |found| {
+                let id = FaceId {
+                    geometry,
+                    face: found.face,
+                };
+                if found.is_touched || id == own {
+                    all.push(id);
+                }
+            });
+        }
+        all
     }
 
     /// Returns the index of the geometry and the crossing of [`World::hit_from`] if its `t` is below

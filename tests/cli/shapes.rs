@@ -161,6 +161,29 @@ fn each_shape_moves_in_an_animation() {
 }
 
 #[test]
+fn all_faces_that_a_point_lies_on_are_told() {
+    let floor = "Plane(name: \"floor\", point: (0, 0, -4), normal: (0, 0, 1), color: \"#fff\")";
+    let cube = "Box(min: (-1, -1, -6), max: (1, 1, -4), color: \"#fff\")";
+    let folder = scene(&format!(
+        "{floor}, {cube}, Disc(center: (0, 0, -4), normal: (0, 0, 1), radius: 3"
+    ));
+    let pixel = text(&folder, &["pixel", "scene.ron", "16,12"]);
+    assert!(
+        pixel.contains("  also on      [1], face 5\n  also on      [2]"),
+        "{pixel}"
+    );
+    let pixel = data(&folder, &["pixel", "scene.ron", "16,12"]);
+    assert_eq!(pixel["hit"]["also_on"][0], json!({"index": 1, "face": 5}));
+    // A gap of a billionth is one.
+    let cube = cube.replace("-4)", "-4.000000001)");
+    let folder = scene(&format!(
+        "{floor}, {cube}, Disc(center: (0, 0, -4.1), normal: (0, 0, 1), radius: 3"
+    ));
+    let pixel = data(&folder, &["pixel", "scene.ron", "16,12"]);
+    assert_eq!(pixel["hit"]["also_on"], Value::Null);
+}
+
+#[test]
 fn the_groups_of_a_mesh_file_are_told() {
     let folder = scene(r#"Mesh(file: "wall.obj""#);
     let corners = "v -9 -9 -4\nv 9 -9 -4\nv 0 9 -4\nv 0 0 -9\n";

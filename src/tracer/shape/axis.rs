@@ -5,7 +5,14 @@ use glam::DVec3;
 use crate::tracer::{
     error::GeometryError,
     ray::Ray,
-    shape::{around::Around, face::Leaving, plane::Plane, span::Span, working::Term},
+    shape::{
+        around::Around,
+        contact::{ContactPoint, FaceEquation, NearFace},
+        face::Leaving,
+        plane::Plane,
+        span::Span,
+        working::Term,
+    },
     vector::{direction, farthest_along, finite, is_direction, rim, unit},
 };
 
@@ -133,6 +140,42 @@ impl Axis {
             (self.to - point).dot(self.w),
         );
         above.min(below)
+    }
+
+    /// Calls `see` with a round side, whose radius grows by `slope` per length along the axis, and with
+    /// the caps at the ends, if there are some.
+    pub(crate) fn each_face(
+        &self,
+        at: &ContactPoint,
+        (radii, slope): ([f64; 2], f64),
+        is_capped: bool,
+        see: &mut dyn FnMut(NearFace),
+    ) {
+        let side = self.side(at, radii[0], slope);
+        let (height, away) = self.place_of(at.point);
+        let length = self.length();
+        see(at.face(0, &side, |slack| {
+            (-slack..=length + slack).contains(&height)
+        }));
+        let caps = [(1, self.from, radii[0]), (2, self.to, radii[1])];
+        for (face, center, radius) in caps.into_iter().filter(|_| is_capped) {
+            let equation = FaceEquation::plane(at, center, self.w);
+            see(at.face(face, &equation, |slack| away <= radius + slack));
+        }
+    }
+
+    /// Returns the equation of a round side: the distance from the axis less `r + k·h` at the height h.
+    pub(crate) fn side(&self, at: &ContactPoint, radius: f64, slope: f64) -> FaceEquation {
+        let q = at.point - self.from;
+        let height = q.dot(self.w);
+        let across = q - height * self.w;
+        let away = across.length();
+        FaceEquation {
+            value: away - (radius + slope * height),
+            gradient: across / away - slope * self.w,
+            size: self.from.abs() + self.to.abs() + radius,
+            more: 0.0,
+        }
     }
 
     /// Returns the height of a point above `from` and its distance from the axis.

@@ -8,6 +8,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         axis::{Axis, outward},
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::{Faces, Leaving},
         span::{Convex, Round, Span},
         working::{Term, Working},
@@ -65,6 +66,14 @@ impl Capsule {
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let end = farthest_along([self.from(), self.to()], direction)?;
         Some(end + self.radius * direction)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        see(at.face(0, &self.axis.side(at, self.radius, 0.0), |_| true));
+        for (face, center) in [(1, self.from()), (2, self.to())] {
+            let ball = FaceEquation::ball(at, center, self.radius);
+            see(at.face(face, &ball, |_| true));
+        }
     }
 
     /// Returns the spans of the side and of both balls.

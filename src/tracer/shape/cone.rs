@@ -8,6 +8,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         axis::{Axis, outward},
+        contact::{ContactPoint, NearFace},
         face::{Crossings, Faces, Leaving},
         plane::Plane,
         span::{Convex, Span},
@@ -114,6 +115,11 @@ impl Cone {
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let radii = [self.radius, self.top_radius];
         self.axis.support(radii, direction)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let round = ([self.radius, self.top_radius], self.slope);
+        self.axis.each_face(at, round, self.capped, see);
     }
 
     /// Returns the terms of the side, relative to the point of the ray at `middle`.

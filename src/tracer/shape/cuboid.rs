@@ -7,6 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::Around,
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::{Faces, Leaving},
         plane::Plane,
         span::{Convex, Span},
@@ -83,6 +84,19 @@ impl Cuboid {
     }
 
     pub(crate) const FACES: Faces = Faces::Several;
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        for face in 0..6 {
+            let corner = if face % 2 == 0 { self.min } else { self.max };
+            let axis = (face / 2) as usize;
+            let equation = FaceEquation::plane(at, corner, self.normal(face));
+            let extends = |slack| {
+                let beside = (self.min - at.point).max(at.point - self.max);
+                (0..3).all(|other| other == axis || beside[other] <= slack)
+            };
+            see(at.face(face, &equation, extends));
+        }
+    }
 
     /// Returns the outward normal of a face.
     fn normal(&self, face: u64) -> DVec3 {

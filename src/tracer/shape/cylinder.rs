@@ -8,6 +8,7 @@ use crate::tracer::{
     shape::{
         around::{Around, Near},
         axis::{Axis, outward},
+        contact::{ContactPoint, NearFace},
         face::{Crossings, Faces, Leaving},
         plane::Plane,
         span::{Convex, Round, Span},
@@ -72,6 +73,11 @@ impl Cylinder {
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         self.axis.support([self.radius; 2], direction)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let round = ([self.radius; 2], 0.0);
+        self.axis.each_face(at, round, self.capped, see);
     }
 
     /// The unit vector along the axis.

@@ -7,6 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::Around,
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::Leaving,
         plane::{Planar, Plane},
         working::{Term, Working},
@@ -65,6 +66,12 @@ impl Disc {
         let half = self.radius * DVec3::from(axes.map(|axis| axis.cross(n).length()));
         let corners = [self.center() - half, self.center() + half];
         Some(Around::new(corners, self.center(), self.radius))
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let equation = FaceEquation::plane(at, self.center(), self.normal());
+        let away = (at.point - self.center()).length();
+        see(at.face(0, &equation, |slack| away <= self.radius + slack));
     }
 
     /// Returns the normal at unit length.

@@ -8,6 +8,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         axis::outward,
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::{Faces, Leaving},
         span::{Convex, Round, Span},
         working::{Term, Working},
@@ -100,6 +101,20 @@ impl Ellipsoid {
     }
 
     pub(crate) const FACES: Faces = Faces::Curved;
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let q = self.coordinates(at.point - self.center);
+        let [x, y, z] = (2.0 * q).to_array();
+        let [a, b, c] = self.axes.map(|axis| axis / axis.dot(axis));
+        let [u, v, w] = self.axes.map(DVec3::abs);
+        let equation = FaceEquation {
+            value: q.dot(q) - 1.0,
+            gradient: (x * a + y * b) + z * c,
+            size: self.center.abs() + ((u + v) + w),
+            more: 0.0,
+        };
+        see(at.face(0, &equation, |_| true));
+    }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {
         let (q, e) = self.inside(ray);

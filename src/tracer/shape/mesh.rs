@@ -10,10 +10,11 @@ use crate::tracer::{
     shape::{
         Membership,
         around::{Around, farthest, triangle_holds},
+        contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving, in_front},
         indexed::Indexed,
         plane::Plane,
-        triangle::Sheared,
+        triangle::{Sheared, triangle_face},
         working::{Term, Working},
     },
     vector::{finite, is_direction, unit, weighted},
@@ -278,6 +279,14 @@ impl Mesh {
         let plane = self.plane(face);
         let flat = plane.map_or(DVec3::Z, |plane| plane.unit_normal());
         self.smooth_normal(face, ray, flat).unwrap_or(flat)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        for face in 0..self.triangles.len() as u64 {
+            if let Some(corners) = self.corners(face) {
+                see(triangle_face(at, face, corners));
+            }
+        }
     }
 
     /// Returns the weights of the corners of a triangle at the point where a ray hits it.

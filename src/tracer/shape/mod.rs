@@ -10,6 +10,7 @@ pub(crate) mod around;
 pub(crate) mod axis;
 pub(crate) mod capsule;
 pub(crate) mod cone;
+pub(crate) mod contact;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
@@ -56,6 +57,7 @@ use crate::tracer::{
     ray::{BUNDLE, Bundle, Ray},
     shape::{
         around::Around,
+        contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving},
         plane::{Planar, Plane},
         span::Convex,
@@ -141,6 +143,13 @@ macro_rules! shapes {
             pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
                 match self {
                     $(Self::$shape(shape) => shape.plane(face)),*
+                }
+            }
+
+            /// Calls `see` with each face and its place beside a point.
+            pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+                match self {
+                    $(Self::$shape(shape) => shape.each_face(at, see)),*
                 }
             }
 

@@ -11,6 +11,7 @@ use crate::tracer::{
         Membership, Shape,
         around::Around,
         axis::outward,
+        contact::{ContactPoint, NearFace},
         face::{Crossing, Leaving},
         plane::Plane,
         working::{Term, Working},
@@ -128,6 +129,10 @@ impl Placed {
             }
         }
         met
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        self.shape.each_face(&at.before(&self.transform), see);
     }
 
     /// The plane of a face of the shape before it is mapped: see [`Own`](super::face::Own).

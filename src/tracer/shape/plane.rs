@@ -8,6 +8,7 @@ use crate::tracer::{
     shape::{
         Membership,
         around::Around,
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving},
         span::Span,
         working::{Term, Working},
@@ -129,6 +130,11 @@ impl Plane {
 
     pub(crate) const fn farthest_from(&self, _: DVec3) -> f64 {
         f64::INFINITY
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let equation = FaceEquation::plane(at, self.point, self.normal);
+        see(at.face(0, &equation, |_| true));
     }
 
     /// Returns a depth in the half-space that the normal points away from: above 0 inside, 0 on the

@@ -9,6 +9,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::{Around, farthest},
+        contact::{ContactPoint, FaceEquation, NearFace, lies_over},
         face::Leaving,
         plane::{Planar, Plane},
         triangle::Sheared,
@@ -74,6 +75,13 @@ impl Rectangle {
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         farthest_along(self.corners, direction)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let n = self.plane.normal();
+        let equation = FaceEquation::plane(at, self.corner(), n);
+        let extends = |slack| lies_over(&self.corners, n, at.point, slack);
+        see(at.face(0, &equation, extends));
     }
 
     const fn halves(&self) -> [[DVec3; 3]; 2] {

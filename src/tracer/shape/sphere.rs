@@ -8,6 +8,7 @@ use crate::tracer::{
     shape::{
         Membership,
         around::Around,
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving, in_front},
         plane::Plane,
         span::Span,
@@ -170,6 +171,16 @@ impl Sphere {
 
     pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         None
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        // The roots of the equation are as uncertain as the square of the distance.
+        let away = at.origin - self.center;
+        let equation = FaceEquation {
+            more: 4.0 * f64::EPSILON * away.dot(away),
+            ..FaceEquation::ball(at, self.center, self.radius)
+        };
+        see(at.face(0, &equation, |_| true));
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

@@ -33,6 +33,7 @@ use crate::tracer::{
         Membership,
         around::Around,
         axis::outward,
+        contact::{ContactPoint, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving},
         plane::Plane,
         span::Span,
@@ -120,6 +121,21 @@ impl Torus {
     /// The radius of the tube, above 0 and below that of the ring.
     pub const fn tube_radius(&self) -> f64 {
         self.tube_radius
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let q = at.point - self.center;
+        let height = q.dot(self.axis);
+        let across = q - height * self.axis;
+        // From the nearest point of the ring.
+        let away = across - self.radius * unit(across) + height * self.axis;
+        let equation = FaceEquation {
+            value: away.length() - self.tube_radius,
+            gradient: unit(away),
+            size: self.center.abs() + self.radius + self.tube_radius,
+            more: 0.0,
+        };
+        see(at.face(0, &equation, |_| true));
     }
 
     fn hull(&self) -> Around {

@@ -7,6 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::{Around, farthest},
+        contact::{ContactPoint, FaceEquation, NearFace, lies_over},
         face::Leaving,
         plane::{Planar, Plane},
         working::{Term, Working},
@@ -99,6 +100,15 @@ impl Sheared {
             scaled_t: (u * a[2] + v * b[2]) + w * c[2],
         }
     }
+}
+
+/// Returns a triangle as a face beside a point.
+pub(crate) fn triangle_face(at: &ContactPoint, face: u64, corners: [DVec3; 3]) -> NearFace {
+    let [a, b, c] = corners;
+    let n = (b - a).cross(c - a);
+    let equation = FaceEquation::plane(at, a, n);
+    let extends = |slack| lies_over(&corners, n, at.point, slack);
+    at.face(face, &equation, extends)
 }
 
 impl Sheared {
@@ -195,6 +205,10 @@ impl Triangle {
             around: Around::points(&[a, b, c]),
             plane: Plane::new(a, (b - a).cross(c - a))?,
         })
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        see(triangle_face(at, 0, self.corners));
     }
 
     /// The corners.

@@ -15,6 +15,7 @@ use crate::tracer::{
         Extent, Membership, Shape,
         around::Around,
         axis::outward,
+        contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving},
         indexed::Indexed,
         instances::passage::{Index, Passage},
@@ -299,6 +300,21 @@ impl Instances {
 
     pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Passage<'a> {
         Passage::new(self, ray, leaving)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        for copy in 0..self.len() {
+            let Some(transform) = self.transform(copy) else {
+                continue;
+            };
+            let (at, first) = (at.before(&transform), copy as u64 * self.faces);
+            for part in self.prototype.iter() {
+                part.shape.each_face(&at, &mut |found| {
+                    let face = first + part.first + found.face;
+                    see(NearFace { face, ..found });
+                });
+            }
+        }
     }
 
     /// None: planes are compared in a copy alone.

@@ -22,6 +22,7 @@ use crate::tracer::{
     shape::{
         Membership, Shape,
         around::Around,
+        contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
         solid::part::SolidPart,
@@ -204,6 +205,18 @@ impl Solid {
     pub(crate) fn part(&self, face: u64) -> Option<&Shape> {
         let (part, _) = self.part_of(face);
         Some(&self.parts.get(part)?.shape)
+    }
+
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        for (part, first) in self
+            .parts()
+            .zip((0..).step_by(Self::FACES_OF_PART as usize))
+        {
+            part.each_face(at, &mut |found| {
+                let face = first + found.face;
+                see(NearFace { face, ..found });
+            });
+        }
     }
 
     /// The plane of a face of a part, before the part is mapped.

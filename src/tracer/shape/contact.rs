@@ -1,0 +1,363 @@
+//! The faces that a point lies on.
+//!
+//! A point where a ray has arrived, `P = o + t·d`, has errors of rounding. It lies on every face that is
+//! nearer than these, not on the one alone that the ray hit: where faces meet, where one shape lies on
+//! another, where a copy stands in the place of its original. A gap that is wider stays a gap.
+//!
+//! With `ε = 2⁻⁴⁸`, `s` the largest of `|oᵢ| + |t·dᵢ|`, and the distance `δ` of P from the face that was
+//! hit, the place of P is uncertain by `r = ε·s + 2δ`. A face has an equation `f = 0` with the gradient
+//! G, in a space that P is mapped to: `p = L⁻¹·(P - s)`, uncertain by `e = ε·|L⁻¹|·(|P| + |s|)` more. P
+//! lies on it if `|f(p)| ≤ r·|L⁻ᵀG| + Σ|Gᵢ|·(ε·(|pᵢ| + sizeᵢ) + eᵢ)`, with the numbers of the equation in
+//! `size`, and if p lies in its extent, widened by the same errors.
+
+use glam::DVec3;
+
+use crate::tracer::{ray::Ray, transform::Transform};
+
+/// The part of a number by which it may be wrong: 16 roundings.
+const EPSILON: f64 = 16.0 * f64::EPSILON;
+
+/// A point where a ray has arrived, as a shape sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContactPoint {
+    /// The point, in the space of the shape.
+    pub(crate) point: DVec3,
+    /// The origin of the ray there.
+    pub(crate) origin: DVec3,
+    /// The point in the world.
+    world: DVec3,
+    /// The uncertainty of its place in the world, `r`.
+    uncertainty: f64,
+    /// How it was mapped, if it was.
+    mapping: Option<Mapping>,
+}
+
+/// The map from the world to the space of a shape.
+#[derive(Clone, Copy, Debug)]
+struct Mapping {
+    /// The rows of the linear part.
+    rows: [DVec3; 3],
+    /// The sum of the absolute shifts.
+    shift: DVec3,
+}
+
+/// The equation of a face at a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceEquation {
+    /// `f`
+    pub(crate) value: f64,
+    /// `G`
+    pub(crate) gradient: DVec3,
+    /// The absolute numbers of the equation.
+    pub(crate) size: DVec3,
+    /// By how much `f` may be off beside all that.
+    pub(crate) more: f64,
+}
+
+/// A face beside a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearFace {
+    /// The number of the face.
+    pub(crate) face: u64,
+    /// Its distance from the point in the world, `|f|/|L⁻ᵀG|`.
+    pub(crate) distance: f64,
+    /// True if the point lies on it.
+    pub(crate) is_touched: bool,
+}
+
+impl ContactPoint {
+    /// Creates the point where a ray arrives at `t`, on a face at this distance.
+    pub(crate) fn new(ray: &Ray, t: f64, distance: f64) -> Self {
+        let scale = (ray.origin().abs() + (t * ray.direction()).abs()).max_element();
+        Self {
+            point: ray.at(t),
+            origin: ray.origin(),
+            world: ray.at(t),
+            uncertainty: EPSILON * scale + 2.0 * distance,
+            mapping: None,
+        }
+    }
+
+    /// Returns the point before a transform.
+    pub(crate) fn before(&self, transform: &Transform) -> Self {
+        let rows = match self.mapping {
+            None => transform.inverse(),
+            Some(Mapping { rows, .. }) => {
+                let column = |axis: usize| DVec3::from(rows.map(|row| row[axis]));
+                let columns = [column(0), column(1), column(2)];
+                let of = |row: DVec3| DVec3::from(columns.map(|column| row.dot(column)));
+                transform.inverse().map(of)
+            }
+        };
+        let shift = self.mapping.map_or(DVec3::ZERO, |mapping| mapping.shift);
+        Self {
+            point: transform.point_back(self.point),
+            origin: transform.point_back(self.origin),
+            mapping: Some(Mapping {
+                rows,
+                shift: shift + transform.shift().abs(),
+            }),
+            ..*self
+        }
+    }
+
+    /// Returns a face, given its equation at the point and whether the point lies in its extent, which
+    /// is widened by a length.
+    pub(crate) fn face(
+        &self,
+        face: u64,
+        equation: &FaceEquation,
+        extends: impl FnOnce(f64) -> bool,
+    ) -> NearFace {
+        let FaceEquation {
+            value,
+            gradient,
+            size,
+            more,
+        } = *equation;
+        let of_mapping = self.error_of_mapping();
+        let errors = EPSILON * (self.point.abs() + size) + of_mapping;
+        let (normal, stretch) = self.mapped_back(gradient);
+        let bound = self.uncertainty * normal + gradient.abs().dot(errors) + more;
+        let is_near = value.abs() <= bound;
+        let slack = self.uncertainty * stretch + errors.element_sum();
+        NearFace {
+            face,
+            distance: value.abs() / normal,
+            is_touched: is_near && extends(slack),
+        }
+    }
+
+    /// Returns `|L⁻ᵀG|`, and the Frobenius norm of `L⁻¹`, which bounds how far an error is magnified.
+    fn mapped_back(&self, gradient: DVec3) -> (f64, f64) {
+        let Some(Mapping { rows, .. }) = self.mapping else {
+            return (gradient.length(), 1.0);
+        };
+        let [x, y, z] = rows;
+        let normal = (x * gradient.x + y * gradient.y) + z * gradient.z;
+        let squares = rows.map(|row| row.dot(row));
+        (normal.length(), squares.iter().sum::<f64>().sqrt())
+    }
+
+    /// Returns `e`.
+    fn error_of_mapping(&self) -> DVec3 {
+        self.mapping.map_or(DVec3::ZERO, |Mapping { rows, shift }| {
+            let numbers = self.world.abs() + shift;
+            EPSILON * DVec3::from(rows.map(|row| row.abs().dot(numbers)))
+        })
+    }
+}
+
+impl FaceEquation {
+    /// Creates that of a plane through a point: `(p - a)·n`.
+    pub(crate) fn plane(at: &ContactPoint, a: DVec3, n: DVec3) -> Self {
+        Self {
+            value: (at.point - a).dot(n),
+            gradient: n,
+            size: a.abs(),
+            more: 0.0,
+        }
+    }
+
+    /// Creates that of a ball: `|p - c|² - r²`.
+    pub(crate) fn ball(at: &ContactPoint, center: DVec3, radius: f64) -> Self {
+        let q = at.point - center;
+        Self {
+            value: q.dot(q) - radius * radius,
+            gradient: 2.0 * q,
+            size: center.abs() + radius,
+            more: 0.0,
+        }
+    }
+}
+
+/// Returns true if a point lies over a convex polygon in a plane with the normal `n`, counterclockwise
+/// around it, that is widened by a length.
+pub(crate) fn lies_over(corners: &[DVec3], n: DVec3, point: DVec3, slack: f64) -> bool {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).all(|(from, to)| {
+        let inward = n.cross(to - from);
+        (point - from).dot(inward) >= -slack * inward.length()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{f64::consts::PI, sync::Arc};
+
+    use super::*;
+    use crate::tracer::{
+        color::Color,
+        geometry::Geometry,
+        shape::{
+            Shape,
+            capsule::Capsule,
+            cuboid::Cuboid,
+            cylinder::Cylinder,
+            disc::Disc,
+            face::FaceId,
+            mesh::Mesh,
+            plane::Plane,
+            solid::{Operation, Solid},
+            sphere::Sphere,
+            triangle::Triangle,
+        },
+        world::World,
+    };
+
+    fn world(shapes: impl IntoIterator<Item = Shape>) -> World {
+        let geometries = shapes.into_iter();
+        let geometries = geometries.map(|shape| Geometry::new(shape, Color::WHITE));
+        World::new(geometries.collect(), Color::BLACK)
+    }
+
+    /// Returns the faces at the first hit of a ray from one point through another.
+    fn faces(world: &World, from: DVec3, through: DVec3) -> Vec<(usize, u64)> {
+        let ray = Ray::new(from, through - from);
+        let (index, hit) = world.hit(&ray).unwrap();
+        let found = world.faces_at(&ray, index, &hit).into_iter();
+        found
+            .map(|FaceId { geometry, face }| (geometry, face))
+            .collect()
+    }
+
+    /// A roof of four triangles around a tip.
+    fn roof() -> Mesh {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let corners = corners.map(|[x, y]| DVec3::new(x / 3.0, y / 3.0, 0.0));
+        let tip = DVec3::new(0.1, 0.2, 0.7);
+        let vertices = corners.into_iter().chain([tip]).collect();
+        let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        Mesh::new(vertices, triangles).unwrap()
+    }
+
+    /// Returns transforms that turn, stretch and move.
+    fn transforms() -> impl Iterator<Item = Arc<Transform>> {
+        let steps = [0.0, 1.0, 1e3, 1e5].into_iter();
+        steps.flat_map(|far| {
+            [1.0, 1e-6, 1e6].map(|size| {
+                let axis = DVec3::new(1.0, 2.0, 0.5);
+                let scale = DVec3::new(1.0, 0.3, 2.0) * size;
+                let shift = DVec3::new(0.1, 0.7, -0.3) * far * size;
+                Arc::new(Transform::new(shift, Some((axis, 0.3)), scale).unwrap())
+            })
+        })
+    }
+
+    #[test]
+    fn a_point_on_an_edge_lies_on_both_faces_and_one_on_a_tip_on_all() {
+        let mesh = Shape::from(roof());
+        for transform in transforms() {
+            let world = world([mesh.clone().placed(&transform).unwrap()]);
+            let from = transform.point(DVec3::new(0.3, -0.2, 9.0));
+            let see =
+                |x: f64, y: f64, z: f64| faces(&world, from, transform.point(DVec3::new(x, y, z)));
+            assert_eq!(see(0.1, 0.2, 0.7), [(0, 0), (0, 1), (0, 2), (0, 3)]);
+            let [a, tip] = [
+                DVec3::new(1.0 / 3.0, -1.0 / 3.0, 0.0),
+                DVec3::new(0.1, 0.2, 0.7),
+            ];
+            for part in [0.1, 0.35, 0.8] {
+                let at = a + part * (tip - a);
+                assert_eq!(see(at.x, at.y, at.z), [(0, 0), (0, 1)], "{transform:?}");
+            }
+            let middle = (a + tip + DVec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0)) / 3.0;
+            assert_eq!(see(middle.x, middle.y, middle.z), [(0, 1)]);
+        }
+    }
+
+    #[test]
+    fn equal_surfaces_are_one_and_gaps_are_gaps() {
+        let ball =
+            |gap: f64| Shape::from(Sphere::new(DVec3::new(0.3, 0.0, 0.0), 0.7 - gap).unwrap());
+        let copies = crate::tracer::shape::instances::Instances::new(
+            [ball(0.0)],
+            [Transform::new(DVec3::ZERO, None, DVec3::ONE).unwrap()],
+        );
+        let (from, through) = (DVec3::new(3.0, 2.0, 9.0), DVec3::new(0.4, 0.1, 0.0));
+        let touching = world([ball(0.0), ball(0.0), copies.unwrap().into(), ball(0.1)]);
+        assert_eq!(faces(&touching, from, through), [(0, 0), (1, 0), (2, 0)]);
+        for gap in [1e-9, 1e-12] {
+            let apart = world([ball(0.0), ball(gap)]);
+            assert_eq!(faces(&apart, from, through), [(0, 0)], "{gap}");
+        }
+        // On the floor, and a little above.
+        let floor = Shape::from(Plane::new(DVec3::ZERO, DVec3::Z).unwrap());
+        let cube = |gap: f64| {
+            let [low, high] = [DVec3::new(-1.0, -1.0, gap), DVec3::ONE];
+            Shape::from(Cuboid::new(low, high).unwrap())
+        };
+        let below = DVec3::new(0.3, 0.2, -1.0);
+        let under = |gap| {
+            faces(
+                &world([cube(gap), floor.clone()]),
+                below,
+                DVec3::new(0.1, 0.1, 0.0),
+            )
+        };
+        assert_eq!(under(0.0), [(0, 4), (1, 0)]);
+        assert_eq!(under(1e-12), [(1, 0)]);
+        // Beside the box.
+        let beside = faces(
+            &world([cube(0.0), floor]),
+            DVec3::new(3.0, 0.0, 1.0),
+            DVec3::X * 2.0,
+        );
+        assert_eq!(beside, [(1, 0)]);
+    }
+
+    #[test]
+    fn rims_joints_and_corners() {
+        let cube = Shape::from(Cuboid::new(DVec3::ZERO, DVec3::ONE / 3.0).unwrap());
+        let corner = faces(&world([cube]), DVec3::new(3.0, 4.0, 5.0), DVec3::ONE / 3.0);
+        assert_eq!(corner, [(0, 1), (0, 3), (0, 5)]);
+
+        let [a, b] = [DVec3::new(0.1, 0.0, 0.2), DVec3::new(0.1, 0.0, 1.2)];
+        let at = |angle: f64, height: f64| {
+            let (sin, cos) = libm::sincos(angle);
+            DVec3::new(0.1 + 0.3 * cos, 0.3 * sin, 0.2 + height)
+        };
+        let from = DVec3::new(4.0, 1.0, 3.0);
+        let closed = Shape::from(Cylinder::new(a, b, 0.3, true).unwrap());
+        let open = Shape::from(Cylinder::new(a, b, 0.3, false).unwrap());
+        let capsule = Shape::from(Capsule::new(a, b, 0.3).unwrap());
+        for angle in [0.0, PI / 9.0, 0.5] {
+            let rim = |shape: &Shape| faces(&world([shape.clone()]), from, at(angle, 1.0));
+            assert_eq!(rim(&closed), [(0, 0), (0, 2)]);
+            assert_eq!(rim(&open), [(0, 0)]);
+            assert_eq!(rim(&capsule), [(0, 0), (0, 2)]);
+        }
+        let [disc, side] = [
+            Disc::new(b, DVec3::Z, 0.3).unwrap(),
+            Disc::new(b, DVec3::Z, 0.2).unwrap(),
+        ];
+        let lid = world([open, disc.into(), side.into()]);
+        assert_eq!(faces(&lid, from, at(0.5, 1.0)), [(0, 0), (1, 0)]);
+    }
+
+    #[test]
+    fn the_parts_of_solids_and_placed_ones() {
+        let cube = |x: f64| {
+            let corner = DVec3::new(x, 0.0, 0.0);
+            Shape::from(Cuboid::new(corner, corner + 1.0).unwrap())
+        };
+        let both = Solid::new(Operation::Union, [cube(0.0), cube(1.0)]).unwrap();
+        let leaf = Triangle::new(
+            DVec3::new(0.5, -1.0, 1.0),
+            DVec3::new(3.0, 0.5, 1.0),
+            DVec3::new(0.5, 2.0, 1.0),
+        )
+        .unwrap();
+        for transform in transforms() {
+            let [solid, leaf] = [both.clone().into(), Shape::from(leaf)]
+                .map(|shape: Shape| shape.placed(&transform).unwrap());
+            let world = world([solid, leaf]);
+            let from = transform.point(DVec3::new(0.3, -0.2, 9.0));
+            let through = transform.point(DVec3::new(1.0, 0.6, 1.0));
+            let mut found = faces(&world, from, through);
+            found.sort_unstable();
+            let expected = [(0, 1), (0, 5), (0, 8), (0, 13), (1, 0)];
+            assert_eq!(found, expected, "{transform:?}");
+        }
+    }
+}
