@@ -150,6 +150,8 @@ codes! {
     EyeOnPlane = "eye-on-plane", Warning;
     /// Two geometries of the same kind with equal numbers.
     DuplicateGeometry = "duplicate-geometry", Warning;
+    /// Two solids of glass that overlap.
+    OverlappingGlass = "overlapping-glass", Warning;
     /// A geometry that is certainly outside of the view.
     NeverVisible = "never-visible", Warning;
 }
@@ -179,6 +181,7 @@ impl Code {
                 | Self::NothingVisible
                 | Self::EyeInside
                 | Self::DuplicateGeometry
+                | Self::OverlappingGlass
                 | Self::NeverVisible
         )
     }

@@ -12,6 +12,7 @@ mod inward;
 mod light;
 mod material;
 mod names;
+mod overlap;
 mod solid;
 mod transform;
 mod visibility;
@@ -173,6 +174,9 @@ pub(crate) fn problems(
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.duplicate_geometry(duplicates, model, &framing, stand_ins);
+    if found.is_lit && aspects.levels.severity(Code::OverlappingGlass).is_some() {
+        found.overlapping_glass(model, &framing);
+    }
     found.animation(model);
     // The frames of an animation with a fault are meaningless, and so is what is seen without all
     // geometries.
