@@ -184,7 +184,12 @@ impl<'f, 'a> Names<'f, 'a> {
                         Type::Tracks if is_string(key) => self.found.extend(in_path(finder, key)),
                         _ => {}
                     }
-                    self.add((value, of_type.value(&finder.name(key))), thing);
+                    // A stray bracket has no name; more of the fields are in it.
+                    let of_value = match tree.node(key).kind() {
+                        NodeKind::Error => Some(of_type),
+                        _ => of_type.value(&finder.name(key)),
+                    };
+                    self.add((value, of_value), thing);
                 }
             }
             None => {}
@@ -406,6 +411,14 @@ mod tests {
             RON.replace("key", "sun")
         );
         assert_eq!(renamed(RON, "name: \"ball|", "b"), RON.replace("ball", "b"));
+    }
+
+    // As after typing one bracket.
+    #[test]
+    fn names_behind_a_stray_bracket_are_found() {
+        let broken = RON.replace("Sphere(name", "Sphere(center: (0, 0, 0), (name");
+        let found = renamed(&broken, "(\"gold| 2\")", "g");
+        assert!(found.contains("Named(\"g\")"), "{found}");
     }
 
     #[test]
