@@ -8,6 +8,7 @@ use crate::{
     scene::{
         format::{
             geometry::{GeometryModel, walk::Leaf},
+            material::Surface,
             scene::Model,
         },
         problem::{Focus, Problem},
@@ -150,11 +151,16 @@ impl Found {
 
 /// Returns true if people look through a geometry in a lit scene.
 pub(super) fn is_glass(geometry: &GeometryModel, model: &Model) -> bool {
-    geometry.surfaces().iter().any(|surface| {
+    geometry.surfaces().iter().any(is_of_glass(model))
+}
+
+/// Returns whether a surface is of glass.
+pub(super) fn is_of_glass(model: &Model) -> impl Fn(&Surface) -> bool {
+    move |surface| {
         let own = surface.material;
         let material = own.and_then(|material| material.resolve(model.materials.as_ref()));
         material.is_some_and(|material| material.is_glass())
-    })
+    }
 }
 
 /// The geometries around a sphere with the eye inside; nothing is computed before it is needed.

@@ -41,6 +41,7 @@ use crate::{
             eye::{Surroundings, is_glass},
             found::Found,
             inward::Inward,
+            overlap::GlassSolid,
         },
     },
 };
@@ -113,6 +114,9 @@ pub(crate) fn problems(
     let mut duplicates = Duplicates::of(model);
     let materials: HashSet<_> = model.names_of_materials().collect();
     let mut leaves = world.leaves().peekable();
+    let warns_of_overlap =
+        found.is_lit && aspects.levels.severity(Code::OverlappingGlass).is_some();
+    let mut glass = Vec::new();
     let warns_of_inward = aspects.levels.severity(Code::OddMesh).is_some();
     let mut inward = warns_of_inward.then(Inward::new);
     // The end of the last solid with operands.
@@ -124,6 +128,9 @@ pub(crate) fn problems(
         let leaf = leaves.next_if(|leaf| leaf.at == at);
         if let Some(leaf) = &leaf {
             duplicates.add(at, geometry, &leaf.placement);
+            if warns_of_overlap {
+                glass.extend(GlassSolid::of(leaf, model));
+            }
         }
         let is_part = at < parts_until;
         let is_invalid = leaf
@@ -174,9 +181,7 @@ pub(crate) fn problems(
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.duplicate_geometry(duplicates, model, &framing, stand_ins);
-    if found.is_lit && aspects.levels.severity(Code::OverlappingGlass).is_some() {
-        found.overlapping_glass(model, &framing);
-    }
+    found.overlapping_glass(glass, model, &framing);
     found.animation(model);
     // The frames of an animation with a fault are meaningless, and so is what is seen without all
     // geometries.

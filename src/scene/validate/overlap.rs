@@ -6,12 +6,13 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{GeometryModel, ordinal::Ordinal, walk::Leaf},
+            geometry::{ordinal::Ordinal, walk::Leaf},
+            material::Surface,
             scene::Model,
         },
         framing::Framing,
         problem::{Focus, Problem},
-        validate::found::Found,
+        validate::{eye::is_of_glass, found::Found},
     },
     tracer::shape::{Membership, Shape},
 };
@@ -30,15 +31,21 @@ const POINTS: usize = 9;
 const SLACK: f64 = 1e-6;
 
 /// A solid of glass.
-struct GlassSolid {
+pub(super) struct GlassSolid {
     at: Ordinal,
     shape: Shape,
     bounds: [DVec3; 2],
 }
 
 impl GlassSolid {
-    fn of(leaf: &Leaf, model: &Model) -> Option<Self> {
-        if !is_all_glass(leaf.geometry, model) {
+    pub(super) fn of(leaf: &Leaf, model: &Model) -> Option<Self> {
+        // Without a list: most geometries are not of glass.
+        let (is_glass, mut is_all) = (is_of_glass(model), true);
+        leaf.geometry
+            .each_surface(Surface::default(), &mut |surface| {
+                is_all &= is_glass(&surface)
+            });
+        if !is_all {
             return None;
         }
         let shape = leaf.shape()?;
@@ -81,17 +88,6 @@ impl GlassSolid {
     }
 }
 
-/// Returns true if a geometry is of nothing but glass.
-fn is_all_glass(geometry: &GeometryModel, model: &Model) -> bool {
-    let surfaces = geometry.surfaces();
-    !surfaces.is_empty()
-        && surfaces.iter().all(|surface| {
-            let material = surface.material;
-            let material = material.and_then(|it| it.resolve(model.materials.as_ref()));
-            material.is_some_and(|material| material.is_glass())
-        })
-}
-
 /// Returns points in a box, in rows.
 fn grid([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
     let at = |step: usize| (step as f64 + 0.5) / POINTS as f64;
@@ -104,10 +100,15 @@ fn grid([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
 impl Found {
     /// Warns of solids of glass that overlap. Rows of tables, parts, copies and what moves are not looked
     /// at.
-    pub(super) fn overlapping_glass(&mut self, model: &Model, framing: &Framing) {
-        let leaves = model.leaves().take_while(|_| !framing.is_cancelled());
-        let glass = leaves.filter_map(|leaf| GlassSolid::of(&leaf, model));
-        let still = glass.filter(|solid| !framing.moves(model, solid.at));
+    pub(super) fn overlapping_glass(
+        &mut self,
+        glass: Vec<GlassSolid>,
+        model: &Model,
+        framing: &Framing,
+    ) {
+        let still = glass
+            .into_iter()
+            .filter(|solid| !framing.moves(model, solid.at));
         let solids: Vec<_> = still.take(MOST).collect();
         let mut pairs = 0;
         for (number, solid) in solids.iter().enumerate() {

@@ -122,7 +122,7 @@ impl Light {
     /// unit vector to the viewer. `None` if none arrives: the light lies on the point, or too far
     /// away for f64.
     pub(crate) fn arriving(&self, point: DVec3, v: DVec3) -> Option<Arriving> {
-        let radiance = self.glow().radiance;
+        let radiance = self.glow().radiance();
         let (l, falloff, cone, ray) = match self.source() {
             Source::Everywhere => {
                 let from = None;

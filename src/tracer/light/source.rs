@@ -34,7 +34,7 @@ pub struct Glow {
     color: Color,
     intensity: f64,
     /// `intensity · lin(color)`
-    pub(super) radiance: Radiance,
+    radiance: Radiance,
 }
 
 /// The largest intensity of a light.

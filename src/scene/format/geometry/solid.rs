@@ -180,7 +180,12 @@ impl GeometryModel {
         found
     }
 
-    fn each_surface<'m>(&'m self, around: Surface<'m>, see: &mut dyn FnMut(Surface<'m>)) {
+    /// Calls `see` with each of these.
+    pub(crate) fn each_surface<'m>(
+        &'m self,
+        around: Surface<'m>,
+        see: &mut dyn FnMut(Surface<'m>),
+    ) {
         let own = self.surface();
         let surface = if own.is_given() { own } else { around };
         if self.combination().is_none() {
