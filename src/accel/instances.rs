@@ -3,6 +3,8 @@
 //! A leaf holds the numbers of up to eight copies and a box around each. A copy whose box a ray meets is
 //! tested; a prototype of many shapes has a hierarchy of its own.
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         bvh::{
@@ -50,6 +52,8 @@ pub(crate) fn index_copies(copies: &Instances, builder: Builder<'_>) {
 #[derive(Debug)]
 struct Copies {
     isa: Isa,
+    /// The number of copies.
+    count: usize,
     places: Option<Places>,
     prototype: Option<Prototype>,
 }
@@ -85,6 +89,7 @@ impl Copies {
         });
         (places.is_some() || prototype.is_some()).then_some(Self {
             isa: builder.isa,
+            count: copies.len(),
             places,
             prototype,
         })
@@ -94,7 +99,8 @@ impl Copies {
     fn meet(&self, copied: &Copied, t_max: f64) -> Option<Crossing> {
         match &self.prototype {
             Some(Prototype { world, hierarchy }) => {
-                let nearest = hierarchy.nearest_before(world, copied.ray(), t_max, copied.own());
+                let left = copied.left();
+                let nearest = hierarchy.nearest_before(world, copied.ray(), t_max, &left);
                 copied.first_that_counts(nearest, t_max)
             }
             None => copied.first(t_max),
@@ -184,6 +190,18 @@ impl Index for Copies {
                 copied.each(t_max, see);
             }
             end
+        });
+    }
+
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {
+        let Some(Places {
+            frame, tree, lists, ..
+        }) = &self.places
+        else {
+            return (0..self.count).for_each(see);
+        };
+        tree.each_near(frame.near(corners), |list| {
+            lists.of(list).for_each(|copy| see(copy as usize));
         });
     }
 }

@@ -105,7 +105,7 @@ pub(super) fn surely_holds<S: Simd>(
 
 /// Returns the positions of the set bits of a mask.
 #[inline(always)]
-pub(super) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
+pub(crate) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
     let mut mask = mask.into();
     std::iter::from_fn(move || {
         let bit = mask.trailing_zeros();

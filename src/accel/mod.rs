@@ -68,7 +68,7 @@ fn prefetch_inside<S: Simd>(simd: S, shape: &Shape) {
 pub(crate) fn face_of_each<S: Simd>(simd: S, shape: &Shape, bundle: &Bundle) -> [u64; BUNDLE] {
     match shape.faces() {
         Faces::Flat | Faces::Curved => [0; BUNDLE],
-        Faces::Several | Faces::Triangles | Faces::Copies => {
+        Faces::Several | Faces::Copies => {
             let met = first_of_each(simd, shape, bundle, &[Leaving::NOTHING; BUNDLE]);
             met.map(|met| met.map_or(0, |crossing| crossing.face))
         }

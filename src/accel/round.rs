@@ -34,14 +34,6 @@ impl<'a> Round<'a> {
         }
     }
 
-    /// Returns true if a ray that leaves a face meets it like one that leaves nothing.
-    fn is_apart_from(self, leaving: &Leaving) -> bool {
-        match self {
-            Self::Cylinder(cylinder) => cylinder.is_apart_from(leaving),
-            Self::Disc(disc) => disc.is_apart_from(leaving),
-        }
-    }
-
     /// Returns the first crossing of one ray.
     #[cold]
     #[inline(never)]
@@ -73,14 +65,9 @@ impl Kernel for FirstOfEach<'_> {
             leaving,
         } = self;
         let [mut wanted, mut plain] = [0; 2];
-        let (mut last, mut is_apart) = (Leaving::NOTHING, true);
         for lane in (0..LANES).filter(|lane| bundle.t_max()[*lane] > 0.0) {
-            if !leaving[lane].is_surely(&last) {
-                last = leaving[lane];
-                is_apart = shape.is_apart_from(&last);
-            }
             wanted |= 1 << lane;
-            plain |= u8::from(is_apart) << lane;
+            plain |= u8::from(leaving[lane].is_empty()) << lane;
         }
         let found = match shape {
             Round::Cylinder(cylinder) => meet_cylinder(simd, cylinder, bundle, plain),

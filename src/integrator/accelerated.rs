@@ -10,10 +10,14 @@ use crate::{
     },
     integrator::direct::Queries,
     tracer::{
+        contact::{Contact, Start},
         material::lobes::LightOfMaterials,
         radiance::Radiance,
         ray::Ray,
-        shape::face::{Crossing, FaceId},
+        shape::{
+            contact::ContactPoint,
+            face::{Crossing, FaceId},
+        },
     },
 };
 
@@ -60,17 +64,27 @@ impl<'a> Accelerated<'a> {
 }
 
 impl Queries for Accelerated<'_> {
-    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
+    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)> {
+        let end = f64::INFINITY;
         match self.hierarchy.get() {
-            Some(hierarchy) => hierarchy.nearest_from(self.world.0, ray, own),
-            None => Queries::nearest(self.world.0, ray, own),
+            Some(hierarchy) => hierarchy.nearest_before(self.world.0, ray, end, left),
+            None => self.world.0.nearest(ray, end, left),
         }
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
+    fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
+        let Some(hierarchy) = self.hierarchy.get() else {
+            return Queries::contact(self.world.0, ray, hit);
+        };
+        let around = ContactPoint::vague(ray, hit.1.t).around();
+        let near = hierarchy.near(around);
+        self.world.0.contact(ray, hit, near.iter().copied())
+    }
+
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
         match self.hierarchy.get() {
-            Some(hierarchy) => hierarchy.transmission(self.world.0, ray, t_max, own),
-            None => self.world.0.transmission(ray, t_max, own),
+            Some(hierarchy) => hierarchy.transmission(self.world.0, ray, t_max, start),
+            None => self.world.0.transmission(ray, t_max, start),
         }
     }
 

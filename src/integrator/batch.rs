@@ -4,24 +4,28 @@
 
 mod surfaces;
 
+use std::{iter, rc::Rc};
+
 use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::{dot, splat3, sub, unit},
+        lanes::{bits, dot, splat3, sub, unit},
         shadow::{Last, Points, Shadowed, Shadows, casters::Toward},
     },
     integrator::direct::{Queries, Shadow},
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
+        contact::Start,
         light::{
             Light,
             falloff::{Fading, Falloff},
             source::Source,
         },
         radiance::{BLOCK, Bytes, Radiance},
-        shape::face::FaceId,
+        ray::Ray,
+        shape::face::{Crossing, FaceId},
         tone::Tone,
         vector,
         world::World,
@@ -85,6 +89,8 @@ struct Hits<S: Simd> {
     indices: [u32; LANES],
     faces: [u64; LANES],
     point: [S::F64; 3],
+    /// The rays that arrived there: their origins and directions, and the `t` of the hits.
+    rays: ([[S::F64; 3]; 2], S::F64),
     /// The unit vector to the viewer, if a light shines from there.
     v: [S::F64; 3],
     /// The unit normal on the side of the viewer.
@@ -131,11 +137,33 @@ impl<'a> SampleRow<'a> {
             indices,
             faces,
             point: add(o, along),
+            rays: ([o, d], t),
             v: if needs_v { negate(unit(d)) } else { d },
             n: select(is_front, normal, negate(normal)),
             surfaces,
         }
     }
+}
+
+/// Returns rays and the `t` of their hits in memory.
+#[inline(always)]
+fn stored<V: F64x8>((rays, t): &([[V; 3]; 2], V)) -> ([[[f64; LANES]; 3]; 2], [f64; LANES]) {
+    let (mut stored, mut of_t) = ([[[0.0; LANES]; 3]; 2], [0.0; LANES]);
+    for (to, from) in stored
+        .as_flattened_mut()
+        .iter_mut()
+        .zip(rays.as_flattened())
+    {
+        from.store(to);
+    }
+    t.store(&mut of_t);
+    (stored, of_t)
+}
+
+fn ray_of([origins, directions]: &[[[f64; LANES]; 3]; 2], lane: usize) -> Ray {
+    let [origin, direction] =
+        [origins, directions].map(|vectors| DVec3::from(vectors.map(|axis| axis[lane])));
+    Ray::new(origin, direction)
 }
 
 /// Returns eight numbers; those behind the end are the last.
@@ -284,6 +312,11 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
             let zero = simd.splat(0.0);
             let mut sums = [zero; 3];
             if scatters != 0 {
+                let most = Points::most_of(simd, scatters, [hits.point, hits.rays.0[0]]);
+                let touching = match hits.surfaces.others & scatters {
+                    0 => 0,
+                    others => self.touching(simd, &hits, others),
+                };
                 for (number, light) in lights.iter().enumerate() {
                     let radiance = light.glow().radiance().channels;
                     let Some(arriving) = arriving(simd, light, &hits) else {
@@ -304,9 +337,12 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                             faces: &hits.faces,
                             center: hits.surfaces.vector,
                             is_sphere: hits.surfaces.is_sphere,
-                            asked,
+                            rays: hits.rays,
+                            asked: asked & !touching,
+                            most,
                         };
                         let mut found = of_light.on(simd, points, &mut last[number]);
+                        found.open |= asked & touching;
                         if found.open != 0 {
                             self.trace(simd, light, &hits, &mut found);
                         }
@@ -385,34 +421,64 @@ impl<Q: Queries> ShadeRow<'_, Q> {
     /// Finds the shadows of which nothing is known by their rays.
     #[inline(always)]
     fn trace<S: Simd>(&self, _: S, light: &Light, hits: &Hits<S>, found: &mut Shadowed) {
-        let mut at = [[0.0; LANES]; 3];
-        for (at, from) in at.iter_mut().zip(hits.point) {
-            from.store(at);
-        }
-        self.trace_each(light, &at, (&hits.indices, &hits.faces), found);
+        let (rays, t) = stored(&hits.rays);
+        self.trace_each(light, (&rays, &t), (&hits.indices, &hits.faces), found);
+    }
+
+    /// Returns which of some points lie on more than one face of their geometry.
+    #[inline(always)]
+    fn touching<S: Simd>(&self, _: S, hits: &Hits<S>, lanes: u8) -> u8 {
+        let (rays, t) = stored(&hits.rays);
+        self.touching_each((&rays, &t), (&hits.indices, &hits.faces), lanes)
+    }
+
+    #[inline(never)]
+    fn touching_each(
+        &self,
+        (rays, t): (&[[[f64; LANES]; 3]; 2], &[f64; LANES]),
+        (indices, faces): (&[u32; LANES], &[u64; LANES]),
+        lanes: u8,
+    ) -> u8 {
+        bits(lanes).fold(0, |touching, lane| {
+            let index = indices[lane] as usize;
+            let shape = self.world.geometries()[index].shape();
+            if !shape.has_faces() {
+                return touching;
+            }
+            let crossing = Crossing {
+                t: t[lane],
+                face: faces[lane],
+            };
+            let among = iter::once(index);
+            let ray = ray_of(rays, lane);
+            let contact = self.world.contact(&ray, (index, crossing), among);
+            touching | u8::from(contact.is_some()) << lane
+        })
     }
 
     #[inline(never)]
     fn trace_each(
         &self,
         light: &Light,
-        at: &[[f64; LANES]; 3],
+        (rays, t): (&[[[f64; LANES]; 3]; 2], &[f64; LANES]),
         (indices, faces): (&[u32; LANES], &[u64; LANES]),
         found: &mut Shadowed,
     ) {
         let Some(toward) = Toward::of(light) else {
             return;
         };
-        for lane in 0..LANES {
-            if found.open >> lane & 1 == 0 {
-                continue;
-            }
-            let ray = toward.ray(DVec3::from(at.each_ref().map(|axis| axis[lane])));
-            let own = FaceId {
-                geometry: indices[lane] as usize,
-                face: faces[lane],
-            };
-            let transmission = self.queries.transmission(&ray, toward.t_max(), own);
+        self.queries.prepare();
+        for lane in bits(found.open) {
+            let (geometry, face) = (indices[lane] as usize, faces[lane]);
+            let arriving = ray_of(rays, lane);
+            let t = t[lane];
+            let contact = self
+                .queries
+                .contact(&arriving, (geometry, Crossing { t, face }));
+            let own = FaceId { geometry, face };
+            let start = Start::at_hit(own, contact.map(Rc::new), arriving.direction());
+            let ray = toward.ray(arriving.at(t));
+            let transmission = self.queries.transmission(&ray, toward.t_max(), &start);
             match transmission {
                 Radiance::BLACK => found.dark |= 1 << lane,
                 Radiance::WHITE => {}

@@ -1,11 +1,11 @@
 //! The light that a ray brings back from a lit world, without noise: each light shines on a surface
 //! directly, and mirrors and glass send the ray on.
 //!
-//! This file is the definition, from the camera's ray to linear light. It asks two questions of a
+//! This file is the definition, from the camera's ray to linear light. It asks three questions of a
 //! world, [`Queries`]. The plain loops of [`World`] define the answers; `accel/` finds the same ones
-//! sooner.
+//! sooner. What happens where surfaces meet is that of [`contact`](crate::tracer::contact).
 
-use std::ops::Add;
+use std::{cell::OnceCell, ops::Add, rc::Rc};
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::{
     integrator::Integrate,
     tracer::{
         color::Color,
-        geometry::Geometry,
+        contact::{Contact, Crossed, Interface, Start},
         hit::Hit,
         light::{Arriving, Light, ShadowRay},
         material::{
@@ -36,11 +36,14 @@ const LEAST: f64 = 1.0 / 4096.0;
 
 /// The questions that the evaluation of light asks of a world.
 pub(crate) trait Queries {
-    /// Returns the geometry and the crossing of [`World::hit_from`].
-    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)>;
+    /// Returns [`World::nearest`].
+    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)>;
+
+    /// Returns [`World::contact`] among all geometries.
+    fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact>;
 
     /// Returns [`World::transmission`].
-    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance;
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance;
 
     /// Returns [`World::brightest`].
     fn brightest(&self) -> f64;
@@ -88,12 +91,16 @@ pub(crate) enum Value {
 }
 
 impl Queries for World {
-    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
-        World::nearest(self, ray, f64::INFINITY, own)
+    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)> {
+        World::nearest(self, ray, f64::INFINITY, left)
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
-        World::transmission(self, ray, t_max, own)
+    fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
+        World::contact(self, ray, hit, 0..self.geometries().len())
+    }
+
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+        World::transmission(self, ray, t_max, start)
     }
 
     fn brightest(&self) -> f64 {
@@ -151,11 +158,11 @@ pub(crate) struct Direct<'a, Q> {
 }
 
 /// A ray on its way from the camera.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Path<'a> {
     pub(crate) ray: Ray,
-    /// The face that it leaves.
-    pub(crate) own: Option<FaceId>,
+    /// Where it begins, unless it is that of a camera.
+    pub(crate) start: Option<Start>,
     /// The number of reflections and refractions before it.
     pub(crate) depth: u32,
     /// The part of its light that arrives at the camera.
@@ -180,7 +187,7 @@ impl<'a> Path<'a> {
     pub(crate) const fn new(ray: Ray, shadows: Option<&'a [Shadow]>) -> Self {
         Self {
             ray,
-            own: None,
+            start: None,
             depth: 0,
             factor: Radiance::WHITE,
             shadows,
@@ -189,9 +196,9 @@ impl<'a> Path<'a> {
 }
 
 /// A point of a surface as a viewer sees it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Surface<'a> {
-    pub(crate) path: Path<'a>,
+    pub(crate) path: &'a Path<'a>,
     pub(crate) hit: Hit<'a>,
     /// The index of the geometry.
     pub(crate) index: usize,
@@ -199,10 +206,20 @@ pub(crate) struct Surface<'a> {
     pub(crate) v: DVec3,
     /// The unit normal on the side of the viewer.
     pub(crate) n: DVec3,
+    /// Where rays begin that it sends back, once that is asked.
+    start: OnceCell<Start>,
+}
+
+/// A ray that goes straight on where surfaces meet, no deeper than the one before it.
+struct Straight {
+    path: Path<'static>,
+    /// The part of its light that comes through.
+    factor: Radiance,
 }
 
 impl<'a> Surface<'a> {
-    fn new(path: Path<'a>, index: usize, hit: Hit<'a>) -> Self {
+    fn new(world: &'a World, path: &'a Path, t: f64, id: FaceId) -> Self {
+        let hit = world.hit_on(&path.ray, t, id);
         Self {
             v: -unit(path.ray.direction()),
             n: if hit.front_face {
@@ -212,28 +229,39 @@ impl<'a> Surface<'a> {
             },
             path,
             hit,
-            index,
+            index: id.geometry,
+            start: OnceCell::new(),
+        }
+    }
+
+    /// Returns the surface of another face that its point lies on.
+    fn on(&self, world: &'a World, start: &Start, id: FaceId) -> Self {
+        Self {
+            start: OnceCell::from(start.on(id)),
+            ..Self::new(world, self.path, self.hit.t, id)
         }
     }
 
     /// Returns the path of the light that arrives along a direction and leaves, times a factor,
     /// along this path.
-    fn onward(&self, direction: DVec3, factor: Radiance) -> Path<'static> {
+    fn onward(&self, direction: DVec3, factor: Radiance, start: Start) -> Path<'static> {
         Path {
             ray: Ray::new(self.hit.point, direction),
-            own: Some(self.own()),
+            start: Some(start),
             depth: self.path.depth + 1,
             factor: self.path.factor * factor,
             shadows: None,
         }
     }
 
-    /// Returns the face that rays leave from here.
-    const fn own(&self) -> FaceId {
-        FaceId {
-            geometry: self.index,
-            face: self.hit.face,
-        }
+    /// Returns the ray that goes straight on.
+    fn straight(&self, factor: Radiance, start: &Start) -> Straight {
+        let direction = self.path.ray.direction();
+        let path = Path {
+            depth: self.path.depth,
+            ..self.onward(direction, factor, start.through(direction))
+        };
+        Straight { path, factor }
     }
 
     /// Returns the direction of a mirrored ray: `d - 2(d·n)n`.
@@ -255,33 +283,15 @@ impl<Q: Queries> Integrate for Direct<'_, Q> {
 
     /// Returns the light that the surface of a geometry sends along a path: the sum of its lobes.
     fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
-        let geometry = &self.world.geometries()[index];
-        let surface = Surface::new(path, index, geometry.hit_at(&path.ray, crossing));
-        self.queries.tell(Step::Surface(&surface));
-        let material = surface.hit.material();
-        let lobes = material.lobes();
-        let Lobes {
-            emission,
-            diffuse,
-            highlight,
-            mirror,
-            interface,
-        } = lobes;
-        let mut shaded = Shaded::default();
-        if let Some(emission) = emission {
-            shaded.parts.direct = emission.radiance();
+        let id = FaceId {
+            geometry: index,
+            face: crossing.face,
+        };
+        let surface = Surface::new(self.world, &path, crossing.t, id);
+        match self.light_of(&surface) {
+            Ok(shaded) => shaded,
+            Err(Straight { path, factor }) => self.follow(path).sent_on(factor),
         }
-        if lobes.scatters() {
-            let scattered = self.scattered(&surface, diffuse, highlight);
-            shaded.parts.direct = shaded.parts.direct + scattered;
-        }
-        if let Some(color) = mirror {
-            shaded = shaded + self.reflection(&surface, color.to_linear());
-        }
-        if let Some(glass) = interface {
-            shaded = shaded + self.glass(&surface, glass, geometry);
-        }
-        shaded
     }
 }
 
@@ -312,18 +322,54 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the light that arrives along a path.
     fn follow(&self, path: Path) -> Shaded {
-        self.queries.tell(Step::Ray(&path));
-        let shaded = if self.is_faint(&path) {
-            self.queries.tell(Step::Faint);
-            Shaded::default()
-        } else {
-            match self.nearest(&path) {
-                Some((index, crossing)) => self.shade(path, index, crossing),
-                None => self.background,
+        let (mut path, mut factors) = (path, Vec::new());
+        let mut shaded = loop {
+            self.queries.tell(Step::Ray(&path));
+            match self.step(&path) {
+                Ok(shaded) => break shaded,
+                Err(straight) => {
+                    path = straight.path;
+                    factors.push(straight.factor);
+                }
             }
         };
         self.queries.tell(Step::Brings(shaded));
+        for factor in factors.into_iter().rev() {
+            shaded = shaded.sent_on(factor);
+            self.queries.tell(Step::Brings(shaded));
+        }
         shaded
+    }
+
+    /// Returns the light that arrives along a path from the first surface, or the ray that goes on there.
+    fn step(&self, path: &Path) -> Result<Shaded, Straight> {
+        if self.is_faint(path) {
+            self.queries.tell(Step::Faint);
+            return Ok(Shaded::default());
+        }
+        if path.depth > self.lighting.max_depth {
+            self.queries.tell(Step::TooDeep);
+            return Ok(self.background);
+        }
+        if let Some(start) = &path.start {
+            let surface = |id| Surface {
+                start: OnceCell::from(start.on(id)),
+                ..Surface::new(self.world, path, 0.0, id)
+            };
+            match start.crossed(self.world, path.ray.direction()) {
+                Crossed::Nothing => {}
+                Crossed::Opaque(id) => return self.light_of(&surface(id)),
+                Crossed::Glass(interface) => {
+                    return self.interface(&surface(interface.face), &interface);
+                }
+            }
+        }
+        let left = path.start.as_ref().map_or(&[][..], Start::left);
+        let Some((geometry, Crossing { t, face })) = self.queries.nearest(&path.ray, left) else {
+            return Ok(self.background);
+        };
+        let id = FaceId { geometry, face };
+        self.light_of(&Surface::new(self.world, path, t, id))
     }
 
     /// Returns true if the light along a path does not show in the picture, even if it meets the
@@ -333,13 +379,47 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         part < LEAST && part * self.queries.brightest() < LEAST
     }
 
-    /// Returns the geometry that a path meets, and where, unless the path is too deep.
-    fn nearest(&self, path: &Path) -> Option<(usize, Crossing)> {
-        if path.depth > self.lighting.max_depth {
-            self.queries.tell(Step::TooDeep);
-            return None;
+    /// Returns the light that a surface sends along its path: the sum of its lobes.
+    fn light_of(&self, surface: &Surface) -> Result<Shaded, Straight> {
+        self.queries.tell(Step::Surface(surface));
+        let material = surface.hit.material();
+        let lobes = material.lobes();
+        let Lobes {
+            emission,
+            diffuse,
+            highlight,
+            mirror,
+            interface,
+        } = lobes;
+        let mut shaded = Shaded::default();
+        if let Some(emission) = emission {
+            shaded.parts.direct = emission.radiance();
         }
-        self.queries.nearest(&path.ray, path.own)
+        if lobes.scatters() {
+            let scattered = self.scattered(surface, diffuse, highlight);
+            shaded.parts.direct = shaded.parts.direct + scattered;
+        }
+        if let Some(color) = mirror {
+            shaded = shaded + self.reflection(surface, color.to_linear());
+        }
+        if let Some(glass) = interface {
+            shaded = shaded + self.glass(surface, *glass)?;
+        }
+        Ok(shaded)
+    }
+
+    /// Returns where rays begin that a surface sends back.
+    fn start<'s>(&self, surface: &'s Surface) -> &'s Start {
+        surface.start.get_or_init(|| {
+            let (ray, index) = (&surface.path.ray, surface.index);
+            let (t, face) = (surface.hit.t, surface.hit.face);
+            let contact = self.queries.contact(ray, (index, Crossing { t, face }));
+            let own = FaceId {
+                geometry: index,
+                face,
+            };
+            Start::at_hit(own, contact.map(Rc::new), ray.direction())
+        })
     }
 
     /// Tells a term of the evaluation.
@@ -439,26 +519,49 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
         let ShadowRay { direction, t_max } = shadow;
         let ray = Ray::new(surface.hit.point, direction);
-        self.queries.transmission(&ray, t_max, surface.own())
+        self.queries.transmission(&ray, t_max, self.start(surface))
     }
 
     /// Returns the light that a surface reflects like a mirror.
     fn reflection(&self, surface: &Surface, factor: Radiance) -> Shaded {
         self.term("reflected", "reflected part", Value::Light(factor));
-        let path = surface.onward(surface.mirrored(), factor);
+        let start = self.start(surface).clone();
+        let path = surface.onward(surface.mirrored(), factor, start);
         self.follow(path).sent_on(factor)
     }
 
-    fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Shaded {
-        let is_pane = geometry.shape().is_pane(surface.hit.face);
-        let fresnel = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
-        let onward = if is_pane {
+    /// Returns the light of glass, or of what meets it at its point.
+    fn glass(&self, surface: &Surface, glass: Glass) -> Result<Shaded, Straight> {
+        let start = self.start(surface);
+        match start.seen(self.world) {
+            None => {
+                let (own, is_front) = (start.own(), surface.hit.front_face);
+                let is_pane = surface.hit.geometry.shape().is_pane(own.face);
+                self.interface(surface, &Interface::alone(own, glass, is_front, is_pane))
+            }
+            Some(Crossed::Opaque(id)) => self.light_of(&surface.on(self.world, start, id)),
+            Some(Crossed::Glass(interface)) => {
+                let surface = surface.on(self.world, start, interface.face);
+                self.interface(&surface, &interface)
+            }
+            Some(Crossed::Nothing) => Err(surface.straight(Radiance::WHITE, start)),
+        }
+    }
+
+    /// Returns the light that a surface between two media reflects and lets through.
+    fn interface(&self, surface: &Surface, interface: &Interface) -> Result<Shaded, Straight> {
+        let (start, color) = (self.start(surface), interface.color());
+        if interface.is_joint() {
+            return Err(surface.straight(color, start));
+        }
+        let fresnel = interface.fresnel(surface.n.dot(surface.v));
+        let onward = if interface.is_pane {
             surface.path.ray.direction()
         } else {
             surface.refracted(&fresnel)
         };
         let reflected = Radiance::WHITE * fresnel.reflected;
-        let refracted = glass.color().to_linear() * (1.0 - fresnel.reflected);
+        let refracted = color * (1.0 - fresnel.reflected);
         self.term("eta", "η", Value::Number(fresnel.eta));
         self.term("n_dot_v", "n·v", Value::Number(surface.n.dot(surface.v)));
         self.term(
@@ -468,7 +571,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         );
         self.term("fresnel", "F", Value::Number(fresnel.reflected));
         self.term("refracted", "(1-F)·lin(color)", Value::Light(refracted));
-        let path = surface.onward(onward, refracted);
-        self.reflection(surface, reflected) + self.follow(path).sent_on(refracted)
+        let through = start.through(surface.path.ray.direction());
+        let path = surface.onward(onward, refracted, through);
+        Ok(self.reflection(surface, reflected) + self.follow(path).sent_on(refracted))
     }
 }

@@ -14,6 +14,7 @@ use crate::{
     },
     tracer::{
         color::Color,
+        contact::{Contact, Passed, Start},
         light::{Arriving, Light},
         material::parameters::Parameter,
         radiance::Radiance,
@@ -118,18 +119,24 @@ struct Listener<'a> {
 }
 
 impl Queries for Listener<'_> {
-    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
-        Queries::nearest(self.world, ray, own)
+    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)> {
+        Queries::nearest(self.world, ray, left)
+    }
+
+    fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
+        Queries::contact(self.world, ray, hit)
     }
 
     fn brightest(&self) -> f64 {
         self.world.brightest()
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
-        let transmission = self.world.transmission(ray, t_max, own);
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+        let transmission = self.world.transmission(ray, t_max, start);
         self.at_light(|light| {
-            self.world.each_crossing(ray, t_max, own, |id, t, factor| {
+            self.world.each_in_the_way(ray, t_max, start, |passed| {
+                let Passed { face, t, factor } = passed;
+                let id = self.world.id_of(face.geometry, face.face);
                 light.crossings.push((id, t, factor));
             });
             light.terms.extend([
@@ -146,7 +153,7 @@ impl Queries for Listener<'_> {
         match step {
             Step::Ray(path) => self.open.borrow_mut().push(TracedRay {
                 ray: path.ray,
-                own: path.own,
+                own: path.start.as_ref().map(Start::own),
                 depth: path.depth,
                 factor: path.factor,
                 end: RayEnd::Background,

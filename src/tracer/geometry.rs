@@ -10,7 +10,6 @@ use crate::tracer::{
         Material,
         binding::{MaterialBinding, VertexColors},
     },
-    radiance::Radiance,
     ray::Ray,
     shape::{
         Shape,
@@ -18,7 +17,6 @@ use crate::tracer::{
         instances::{Instances, Rows},
     },
     transform::Transform,
-    vector::unit,
 };
 
 /// A [`Shape`] with its [`Material`].
@@ -201,27 +199,6 @@ impl Geometry {
     pub fn hit(&self, ray: &Ray) -> Option<Hit<'_>> {
         let crossing = self.shape.meet(ray, Leaving::NOTHING, f64::INFINITY)?;
         Some(self.hit_at(ray, crossing))
-    }
-
-    /// Returns the part of a ray's light that goes straight on at a crossing: none if the geometry
-    /// is opaque.
-    ///
-    /// Each face of glass is met as from outside. A ray that comes out of a window has the angle at
-    /// which it came in, so that a window lets light through at every angle.
-    pub(crate) fn transmission(&self, ray: &Ray, crossing: Crossing) -> Radiance {
-        if !self.has_glass() {
-            return Radiance::BLACK;
-        }
-        let hit = self.hit_at(ray, crossing);
-        let material = hit.material();
-        let Some(glass) = material.glass() else {
-            return Radiance::BLACK;
-        };
-        let cosine = unit(ray.direction()).dot(hit.normal).abs();
-        // A direction so short that its square is 0 has no angle.
-        let cosine = if cosine.is_nan() { 1.0 } else { cosine };
-        let reflected = glass.fresnel(cosine, true).reflected;
-        glass.color().to_linear() * (1.0 - reflected)
     }
 
     /// Returns the hit at a crossing.

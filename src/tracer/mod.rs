@@ -6,6 +6,7 @@
 pub(crate) mod camera;
 pub(crate) mod color;
 pub(crate) mod colormap;
+pub(crate) mod contact;
 pub(crate) mod error;
 pub(crate) mod geometry;
 pub(crate) mod hit;

@@ -1,11 +1,12 @@
 //! The geometries, the background and the lights of a scene.
 
-use std::mem;
+use std::{mem, rc::Rc};
 
 use glam::DVec3;
 
 use crate::tracer::{
     color::Color,
+    contact::{Passed, Start},
     geometry::Geometry,
     hit::Hit,
     light::Light,
@@ -17,8 +18,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         Shape,
-        contact::ContactPoint,
-        face::{Crossing, FaceId, Leaving, Own},
+        face::{Crossing, FaceId, Leaving},
     },
     tone::Tone,
 };
@@ -297,7 +297,7 @@ impl World {
     /// Returns the hit of [`World::hit`] of a ray that leaves a face of a geometry, `own`: at its
     /// origin it does not meet this face.
     pub fn hit_from(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Hit<'_>)> {
-        let (index, crossing) = self.nearest(ray, f64::INFINITY, own)?;
+        let (index, crossing) = self.nearest(ray, f64::INFINITY, own.as_slice())?;
         Some((index, self.geometries[index].hit_at(ray, crossing)))
     }
 
@@ -320,88 +320,94 @@ impl World {
     /// Returns the faces that the point of a hit lies on: the one that was hit, and all others that are
     /// nearer to the point than its rounding errors, in file order.
     pub fn faces_at(&self, ray: &Ray, index: usize, hit: &Hit) -> Vec<FaceId> {
+        let (t, face) = (hit.t, hit.face);
+        let contact = self.contact(ray, (index, Crossing { t, face }), 0..self.geometries.len());
         let own = FaceId {
             geometry: index,
-            face: hit.face,
+            face,
         };
-        let mut distance = 0.0;
-        let point = ContactPoint::new(ray, hit.t, distance);
-        hit.geometry.shape().each_face(&point, &mut |found| {
-            if found.face == own.face && found.distance.is_finite() {
-                distance = found.distance;
-            }
-        });
-        let point = ContactPoint::new(ray, hit.t, distance);
-        let mut all = Vec::new();
-        for (geometry, of) in self.geometries.iter().enumerate() {
-            of.shape().each_face(&point, &mut |found| {
-                let id = FaceId {
-                    geometry,
-                    face: found.face,
-                };
-                if found.is_touched || id == own {
-                    all.push(id);
-                }
-            });
-        }
-        all
+        Start::at_hit(own, contact.map(Rc::new), ray.direction())
+            .left()
+            .into()
     }
 
-    /// Returns the index of the geometry and the crossing of [`World::hit_from`] if its `t` is below
-    /// `t_max`.
+    /// Returns the index of the geometry and the nearest crossing with `0 < t < t_max` of a ray that leaves
+    /// faces, given in ascending order.
     #[inline(always)]
     pub(crate) fn nearest(
         &self,
         ray: &Ray,
         t_max: f64,
-        own: Option<FaceId>,
+        left: &[FaceId],
     ) -> Option<(usize, Crossing)> {
-        let own = self.own(own);
         let mut nearest: Option<(usize, Crossing)> = None;
         for (index, geometry) in self.geometries.iter().enumerate() {
             let t_max = nearest.map_or(t_max, |(_, crossing)| crossing.t);
-            if let Some(crossing) = geometry.shape().meet_from(own.as_ref(), ray, t_max) {
+            let leaving = Leaving::of(left, index);
+            if let Some(crossing) = geometry.shape().meet(ray, leaving, t_max) {
                 nearest = Some((index, crossing));
             }
         }
         nearest
     }
 
-    /// Returns a face of a geometry.
-    #[inline(always)]
-    pub(crate) fn own(&self, own: Option<FaceId>) -> Option<Own<'_>> {
-        let FaceId { geometry, face } = own?;
-        Some(Own::new(self.geometries.get(geometry)?.shape(), face))
+    /// Returns the part of the light that comes through along a ray with `0 <= t < t_max`: none if
+    /// something opaque is in the way, and the product of what each crossing of glass lets through,
+    /// from near to far.
+    pub(crate) fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+        self.transmission_among(ray, t_max, start, 0..self.geometries.len())
     }
 
-    /// Returns the part of the light that comes through along a ray with `0 < t < t_max`, which
-    /// leaves the face `own`: none if an opaque geometry is in the way, and the product of what each
-    /// crossing of glass lets through, in file order and from near to far.
-    pub(crate) fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
-        let mut light = Radiance::WHITE;
-        self.each_crossing(ray, t_max, own, |_, _, factor| light = light * factor);
-        light
-    }
-
-    /// Calls `see` with all that is in the way of the light in [`World::transmission`]: the id of a
-    /// geometry, the `t` of a crossing, and the part of the light that it lets through.
-    pub(crate) fn each_crossing(
+    /// The same if all that the ray meets behind its origin is among some geometries.
+    pub(crate) fn transmission_among(
         &self,
         ray: &Ray,
         t_max: f64,
-        own: FaceId,
-        mut see: impl FnMut(usize, f64, Radiance),
-    ) {
-        let Some(own) = self.own(Some(own)) else {
-            return;
+        start: &Start,
+        among: impl Iterator<Item = usize>,
+    ) -> Radiance {
+        let mut light = match self.at_origin(ray, start) {
+            Some(passed) => passed.factor,
+            None => Radiance::WHITE,
         };
-        for (index, geometry) in self.geometries.iter().enumerate() {
-            let shape = geometry.shape();
-            shape.each_crossing(ray, own.on(shape), t_max, |crossing| {
-                let id = self.id_of(index, crossing.face);
-                see(id, crossing.t, geometry.transmission(ray, crossing));
-            });
+        if light == Radiance::BLACK {
+            return light;
         }
+        let mut all = Vec::new();
+        for geometry in among {
+            let of = &self.geometries[geometry];
+            let leaving = Leaving::of(start.left(), geometry);
+            if of.has_glass() {
+                of.shape()
+                    .each_crossing(ray, leaving, t_max, |Crossing { t, face }| {
+                        all.push((FaceId { geometry, face }, t));
+                    });
+            } else if of.shape().meet(ray, leaving, t_max).is_some() {
+                return Radiance::BLACK;
+            }
+        }
+        self.each_passed(ray, all, |passed| light = light * passed.factor);
+        light
+    }
+
+    /// Calls `see` with all that is in the way of the light in [`World::transmission`].
+    pub(crate) fn each_in_the_way(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        start: &Start,
+        mut see: impl FnMut(Passed),
+    ) {
+        self.at_origin(ray, start).into_iter().for_each(&mut see);
+        let mut all = Vec::new();
+        for (geometry, of) in self.geometries.iter().enumerate() {
+            let leaving = Leaving::of(start.left(), geometry);
+            of.shape()
+                .each_crossing(ray, leaving, t_max, |Crossing { t, face }| {
+                    all.push((FaceId { geometry, face }, t));
+                });
+        }
+        self.each_passed(ray, all, see);
     }
 
     /// Returns the color that the ray sees in a flat world: that of the nearest hit, else the

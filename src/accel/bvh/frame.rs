@@ -177,6 +177,14 @@ impl Frame {
             .map(|length| (length * self.scale).to_array().map(|x| x as f32))
     }
 
+    /// Returns a box in the frame that meets the boxes of all shapes near another one, given its corners:
+    /// a little larger.
+    pub(crate) fn near(&self, corners: [DVec3; 2]) -> [[f32; 3]; 2] {
+        let [center, half] = self.hull(&Hull::of_box(corners));
+        let reach = center.iter().map(|x| x.abs()).sum::<f32>() + 2.0;
+        [center, half.map(|half| half + SLACK as f32 * reach)]
+    }
+
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs
     /// the plain loop. Inlined: a probe that is moved as a whole is waited for.
     #[inline(always)]

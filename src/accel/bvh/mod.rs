@@ -13,6 +13,8 @@ mod walk;
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         bvh::{
@@ -28,10 +30,11 @@ use crate::{
     parallel::Pool,
     simd::isa::Isa,
     tracer::{
+        contact::Start,
         hit::Hit,
         radiance::Radiance,
         ray::Ray,
-        shape::face::{Crossing, FaceId},
+        shape::face::{Crossing, FaceId, Leaving},
         world::World,
     },
 };
@@ -107,7 +110,7 @@ impl Bvh {
     /// Rays from farther away than some 100,000 times the size of the world, and rays whose
     /// direction is longer than 1e50 or shorter than 1e-50, use the plain loop.
     pub fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, Hit<'_>)> {
-        let nearest = self.hierarchy.nearest(&self.world, ray, t_max, None)?;
+        let nearest = self.hierarchy.nearest(&self.world, ray, t_max, &[])?;
         let geometry = self.world.geometries().get(nearest.index)?;
         // The sphere of the tree is in the cache; that of the world may be far away in memory.
         let sphere = || {
@@ -163,61 +166,36 @@ impl Hierarchy {
             .filter_map(|portion| portion.shapes.as_ref())
     }
 
-    /// Returns the index and the crossing of [`World::hit_from`], for a ray that leaves the face
-    /// `own`.
-    pub(crate) fn nearest_from(
-        &self,
-        world: &World,
-        ray: &Ray,
-        own: Option<FaceId>,
-    ) -> Option<(usize, Crossing)> {
-        self.nearest_before(world, ray, f64::INFINITY, own)
-    }
-
-    /// The same for a crossing with a `t` below `t_max`.
+    /// Returns the index and the crossing of [`World::nearest`], for a ray that leaves faces.
     pub(crate) fn nearest_before(
         &self,
         world: &World,
         ray: &Ray,
         t_max: f64,
-        own: Option<FaceId>,
+        left: &[FaceId],
     ) -> Option<(usize, Crossing)> {
-        let nearest = self.nearest(world, ray, t_max, own)?;
+        let nearest = self.nearest(world, ray, t_max, left)?;
         Some((nearest.index, nearest.crossing()))
     }
 
     #[inline(always)]
-    fn nearest(
-        &self,
-        world: &World,
-        ray: &Ray,
-        t_max: f64,
-        own: Option<FaceId>,
-    ) -> Option<Nearest> {
-        let face = own;
+    fn nearest(&self, world: &World, ray: &Ray, t_max: f64, left: &[FaceId]) -> Option<Nearest> {
         let geometries = world.geometries();
-        let own = world.own(own);
-        let own = own.as_ref();
         let mut nearest = Nearest::before(t_max);
-        for index in &self.apart {
-            let shape = geometries[*index].shape();
-            if let Some(crossing) = shape.meet_from(own, ray, nearest.t) {
-                nearest = Nearest::new(*index, crossing);
+        for index in apart_of(&self.apart, left) {
+            let shape = geometries[index].shape();
+            let leaving = Leaving::of(left, index);
+            // At an equal t the lower index may still win.
+            if let Some(crossing) = shape.meet(ray, leaving, nearest.t.next_up()) {
+                nearest.or(Nearest::new(index, crossing));
             }
         }
         for shapes in self.shapes() {
             let Some(probe) = shapes.frame.probe(ray) else {
-                let (index, crossing) = world.nearest(ray, t_max, face)?;
+                let (index, crossing) = world.nearest(ray, t_max, left)?;
                 return Some(Nearest::new(index, crossing));
             };
-            if let Some(sphere) = own.and_then(|own| own.shape().sphere())
-                && let Some(t) = sphere.far_from_own(ray, t_max)
-            {
-                shapes.twins(sphere, |index| {
-                    nearest.or(Nearest::new(index, t.into()));
-                });
-            }
-            let walk = shapes.walk::<false>(geometries, (ray, &probe), nearest, own);
+            let walk = shapes.walk::<false>(geometries, (ray, &probe), nearest, left);
             nearest = self.isa.run(walk);
         }
         let is_met = nearest.t < t_max;
@@ -229,66 +207,70 @@ impl Hierarchy {
         let geometries = world.geometries();
         let meets = |index: &usize| geometries[*index].shape().intersect(ray, t_max).is_some();
         let is_among = |shapes: &Shapes| match shapes.frame.probe(ray) {
-            None => world.nearest(ray, t_max, None).is_some(),
+            None => world.nearest(ray, t_max, &[]).is_some(),
             Some(probe) => {
                 let nearest = Nearest::before(t_max);
-                let walk = shapes.walk::<true>(geometries, (ray, &probe), nearest, None);
+                let walk = shapes.walk::<true>(geometries, (ray, &probe), nearest, &[]);
                 self.isa.run(walk).t < t_max
             }
         };
         self.apart.iter().any(meets) || self.shapes().any(is_among)
     }
 
-    /// Returns [`World::transmission`].
+    /// Returns the part of the light that comes through on a shadow ray: [`World::transmission`].
     pub(crate) fn transmission(
         &self,
         world: &World,
         ray: &Ray,
         t_max: f64,
-        own: FaceId,
+        start: &Start,
     ) -> Radiance {
-        let geometries = world.geometries();
-        let face = own;
-        let Some(own) = world.own(Some(own)) else {
-            return world.transmission(ray, t_max, face);
-        };
+        let (geometries, left) = (world.geometries(), start.left());
         // All glass that the ray crosses.
         let mut glass = Crossings::default();
-        let mut is_dark = self.apart.iter().any(|index| {
-            let geometry = &geometries[*index];
-            let first = geometry.shape().meet_from(Some(&own), ray, t_max);
-            first.is_some() && glass.is_opaque(geometry, *index)
+        let is_dark = apart_of(&self.apart, left).any(|index| {
+            let geometry = &geometries[index];
+            let first = geometry.shape().meet(ray, Leaving::of(left, index), t_max);
+            first.is_some() && glass.is_opaque(geometry, index)
         });
-        for shapes in self.shapes() {
-            let Some(probe) = shapes.frame.probe(ray) else {
-                return world.transmission(ray, t_max, face);
-            };
-            if let Some(sphere) = own.shape().sphere()
-                && sphere.far_from_own(ray, t_max).is_some()
-            {
-                shapes.twins(sphere, |index| {
-                    is_dark |= glass.is_opaque(&geometries[index], index);
-                });
-            }
-            let nearest = Nearest::before(t_max);
-            let walk = Walk::<true> {
-                glass: Some(&mut glass),
-                ..shapes.walk(geometries, (ray, &probe), nearest, Some(&own))
-            };
-            if is_dark || self.isa.run(walk).t < t_max {
-                return Radiance::BLACK;
-            }
-        }
         if is_dark {
             return Radiance::BLACK;
         }
-        let mut transmission = Radiance::WHITE;
-        for index in glass.in_order() {
-            let (geometry, shape) = (&geometries[index], geometries[index].shape());
-            shape.each_crossing(ray, own.on(shape), t_max, |crossing| {
-                transmission = transmission * geometry.transmission(ray, crossing);
-            });
+        for shapes in self.shapes() {
+            let Some(probe) = shapes.frame.probe(ray) else {
+                return world.transmission(ray, t_max, start);
+            };
+            let nearest = Nearest::before(t_max);
+            let walk = Walk::<true> {
+                glass: Some(&mut glass),
+                ..shapes.walk(geometries, (ray, &probe), nearest, left)
+            };
+            if self.isa.run(walk).t < t_max {
+                return Radiance::BLACK;
+            }
         }
-        transmission
+        world.transmission_among(ray, t_max, start, glass.in_order().into_iter())
     }
+
+    /// Returns the indices of the geometries whose boxes meet another one, in file order, and maybe others
+    /// near it.
+    pub(crate) fn near(&self, corners: [DVec3; 2]) -> Vec<usize> {
+        let mut all = self.apart.clone();
+        for shapes in self.shapes() {
+            shapes.each_near(corners, |index| all.push(index));
+        }
+        all.sort_unstable();
+        all
+    }
+}
+
+/// Returns the indices of the geometries apart and of those that a ray leaves, each once.
+fn apart_of<'a>(apart: &'a [usize], left: &'a [FaceId]) -> impl Iterator<Item = usize> + 'a {
+    let is_apart = |index: &usize| apart.binary_search(index).is_ok();
+    let left = left.chunk_by(|one, other| one.geometry == other.geometry);
+    let left = left.filter_map(|faces| Some(faces.first()?.geometry));
+    apart
+        .iter()
+        .copied()
+        .chain(left.filter(move |index| !is_apart(index)))
 }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         bvh::{
@@ -15,11 +17,10 @@ use crate::{
         pages::Pages,
         runs::{count, geometries},
     },
-    simd::LANES,
     tracer::{
         geometry::Geometry,
         ray::Ray,
-        shape::{face::Own, sphere::Sphere},
+        shape::{face::FaceId, sphere::Sphere},
         world::World,
     },
 };
@@ -46,26 +47,21 @@ impl Shapes {
         self.leaves.get(leaf)?.sphere(lane)
     }
 
-    /// Calls `see` with the index of every sphere that has the same numbers, and so the same box.
-    pub(super) fn twins(&self, sphere: &Sphere, mut see: impl FnMut(usize)) {
-        let Some(hull) = Hull::new(&(*sphere).into()) else {
-            return;
-        };
-        self.tree.around(self.frame.hull(&hull), |number| {
-            let leaf = &self.leaves[number];
-            let lanes = (0..LANES).filter(|lane| leaf.sphere(*lane).as_ref() == Some(sphere));
-            lanes.for_each(|lane| see(leaf.index[lane] as usize));
+    /// Calls `see` with the index of every shape whose box meets another one, and maybe with others near it.
+    pub(super) fn each_near(&self, corners: [DVec3; 2], mut see: impl FnMut(usize)) {
+        self.tree.each_near(self.frame.near(corners), |number| {
+            self.leaves[number].indices().for_each(&mut see);
         });
     }
 
-    /// Returns the walk of a ray that leaves the face `own`, if it leaves one.
+    /// Returns the walk of a ray that does not meet the geometries of the faces that it leaves.
     #[inline(always)]
     pub(super) fn walk<'a, const ANY: bool>(
         &'a self,
         geometries: &'a [Geometry],
         (ray, probe): (&'a Ray, &'a Probe),
         nearest: Nearest,
-        own: Option<&'a Own<'a>>,
+        left: &'a [FaceId],
     ) -> Walk<'a, ANY> {
         Walk {
             tree: &self.tree,
@@ -74,7 +70,7 @@ impl Shapes {
             ray,
             probe,
             nearest,
-            own,
+            left,
             glass: None,
         }
     }

@@ -19,12 +19,12 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Calls `see` with the number of every leaf that may hold a box, and returns once it has seen all.
-    pub(super) fn around(&self, [center, half]: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
-        let is_around = |node: &Node, lane: usize| {
+    /// Calls `see` with the number of every leaf that may meet a box.
+    pub(crate) fn each_near(&self, [center, half]: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
+        let is_near = |node: &Node, lane: usize| {
             (0..3).all(|axis| {
-                node.planes[axis][lane] <= center[axis] - half[axis]
-                    && node.planes[axis + 3][lane] >= center[axis] + half[axis]
+                node.planes[axis][lane] <= center[axis] + half[axis]
+                    && node.planes[axis + 3][lane] >= center[axis] - half[axis]
             })
         };
         let mut links = vec![self.root];
@@ -32,7 +32,7 @@ impl Tree {
             match link.place() {
                 LinkTarget::Node(number) => {
                     let node = &self.nodes[number];
-                    let lanes = (0..LANES).filter(|lane| is_around(node, *lane));
+                    let lanes = (0..LANES).filter(|lane| is_near(node, *lane));
                     links.extend(lanes.map(|lane| node.links[lane]));
                 }
                 LinkTarget::Leaf(number) => see(number),

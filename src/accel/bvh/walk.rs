@@ -15,10 +15,7 @@ use crate::{
     tracer::{
         geometry::Geometry,
         ray::Ray,
-        shape::{
-            face::{Crossing, Own},
-            sphere::Sphere,
-        },
+        shape::face::{Crossing, FaceId, Leaving},
     },
 };
 
@@ -97,8 +94,8 @@ pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
     pub(super) nearest: Nearest,
-    /// The face that the ray leaves. Spheres with the numbers of its shape are not tested.
-    pub(super) own: Option<&'a Own<'a>>,
+    /// The faces that the ray leaves. Their geometries are not tested.
+    pub(super) left: &'a [FaceId],
     /// With `ANY`, a collector of the glass that the ray crosses, which does not count as a hit.
     pub(super) glass: Option<&'a mut Crossings>,
 }
@@ -109,8 +106,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Nearest {
         let (tree, probe) = (self.tree, self.probe);
-        let own = self.own.and_then(|own| own.shape().sphere());
-        let lanes = Lanes::new(simd, self.ray, own);
+        let lanes = Lanes::new(simd, self.ray);
         let mut search = Search { walk: self, lanes };
         tree.traverse(simd, &OneRay::new(simd, probe), &mut search);
         search.walk.nearest
@@ -153,6 +149,9 @@ impl<const ANY: bool> Walk<'_, ANY> {
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
+            if self.leaves(leaf.index[lane]) {
+                continue;
+            }
             if ANY && t[lane] < self.nearest.t && self.goes_through(leaf, lane) {
                 continue;
             }
@@ -170,11 +169,14 @@ impl<const ANY: bool> Walk<'_, ANY> {
         while others != 0 {
             let lane = others.trailing_zeros() as usize;
             others &= others - 1;
+            if self.leaves(leaf.index[lane]) {
+                continue;
+            }
             let index = leaf.index[lane] as usize;
             let shape = self.geometries[index].shape();
             // At an equal t the lower index may still win.
             let farthest = self.nearest.t.next_up();
-            let Some(crossing) = shape.meet_from(self.own, self.ray, farthest) else {
+            let Some(crossing) = shape.meet(self.ray, Leaving::NOTHING, farthest) else {
                 continue;
             };
             if ANY && crossing.t < self.nearest.t && self.goes_through(leaf, lane) {
@@ -190,6 +192,13 @@ impl<const ANY: bool> Walk<'_, ANY> {
 }
 
 impl<const ANY: bool> Walk<'_, ANY> {
+    /// Returns true if the ray leaves a face of a geometry.
+    #[inline(always)]
+    fn leaves(&self, index: u32) -> bool {
+        let mut left = self.left.iter();
+        left.any(|face| face.geometry == index as usize)
+    }
+
     /// Returns true if the shape in a lane is glass that is collected, and collects it.
     #[inline(always)]
     fn goes_through(&mut self, leaf: &Leaf, lane: usize) -> bool {
@@ -210,27 +219,18 @@ struct Lanes<S: Simd> {
     direction: [S::F64; 3],
     /// `d·d`
     a: S::F64,
-    /// The center and the radius of the sphere that the ray leaves; NaN for none.
-    own: [S::F64; 4],
 }
 
 impl<S: Simd> Divide<S> for Lanes<S> {}
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &Ray, own: Option<&Sphere>) -> Self {
-        let own = own.map_or([f64::NAN; 4], Sphere::numbers);
+    fn new(simd: S, ray: &Ray) -> Self {
         let (origin, direction) = (ray.origin(), ray.direction());
         Self {
             origin: splat3(simd, origin),
             direction: splat3(simd, direction),
             a: simd.splat(direction.dot(direction)),
-            own: [
-                simd.splat(own[0]),
-                simd.splat(own[1]),
-                simd.splat(own[2]),
-                simd.splat(own[3]),
-            ],
         }
     }
 
@@ -251,8 +251,6 @@ impl<S: Simd> Lanes<S> {
             return (0, at);
         };
         t.store(&mut at);
-        let [x, y, z, r] = self.own;
-        let is_own = center[0].eq(x) & center[1].eq(y) & center[2].eq(z) & radius.eq(r);
-        ((counts & !is_own & t.le(simd.splat(nearest))).bits(), at)
+        ((counts & t.le(simd.splat(nearest))).bits(), at)
     }
 }

@@ -57,7 +57,7 @@ impl Kernel for FirstOfEach<'_> {
             t: *bundle.t_max(),
             end: simd.load(bundle.t_max()).largest(),
             faces: [0.0; BUNDLE],
-            leaves_nothing: !leaving.iter().any(Leaving::is_flat),
+            leaves_nothing: leaving.iter().all(Leaving::is_empty),
             corners: [[simd.splat(0.0); 3]; PLACES],
         };
         let together = Together::new(simd, &beam);
@@ -83,7 +83,7 @@ struct Search<'a, S: Simd> {
     end: f64,
     /// The numbers of their triangles.
     faces: [f64; BUNDLE],
-    /// True if no ray leaves a plane.
+    /// True if no ray leaves a triangle.
     leaves_nothing: bool,
     /// The corners of a patch, as the rays see them.
     corners: [[S::F64; 3]; PLACES],
@@ -160,14 +160,14 @@ impl<S: Simd> Search<'_, S> {
         [lanes, near]: [u8; 2],
         t: &[f64; LANES],
     ) -> bool {
-        let Some(plane) = plane_of(corners) else {
+        if plane_of(corners).is_none() {
             return false;
-        };
+        }
         let mut is_nearer = false;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
             let is_first = t[lane] < self.t[lane] || f64::from(face) < self.faces[lane];
             if is_first
-                && !self.leaving[lane].is_in(&plane)
+                && !self.leaving[lane].has(face.into())
                 && (near >> lane & 1 == 1
                     || triangle_holds(corners, &self.bundle.ray(lane), t[lane]))
             {

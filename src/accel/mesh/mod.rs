@@ -165,6 +165,15 @@ impl Index for Triangles {
         self.isa.run(together).unwrap_or_else(one_by_one)
     }
 
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(u64)) {
+        self.tree.each_near(self.frame.near(corners), |leaf| {
+            for patch in patches_of(&self.patches, leaf) {
+                let faces = patch.faces.iter().take(patch.triangles.into());
+                faces.for_each(|face| see((*face).into()));
+            }
+        });
+    }
+
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
         let found = self.isa.run(Walk {
             triangles: self,
@@ -302,7 +311,7 @@ impl<F: Find> Walk<'_, F> {
             lanes &= lanes - 1;
             let (t, face) = (t[lane], patch.faces[lane].into());
             let crossing = Crossing { t, face };
-            if self.find.wants(crossing) && self.passage.counts(patch.corners_of(lane), t) {
+            if self.find.wants(crossing) && self.passage.counts(face, patch.corners_of(lane), t) {
                 is_nearer |= self.find.take(crossing);
                 LAST.set(number * LANES + lane);
             }

@@ -1,11 +1,11 @@
 //! The exact test of points against the shapes that may shadow them, eight points at a time.
 
-use std::cell::OnceCell;
+use std::slice;
 
 use crate::{
     accel::{
         first_of_each,
-        lanes::{Divide, bits, dot, splat3, sub},
+        lanes::{Divide, abs, bits, dot, splat3, sub},
         prefetch_inside,
         shadow::{
             Casting, FoundShadows, Points,
@@ -19,7 +19,8 @@ use crate::{
         ray::Bundle,
         shape::{
             Shape,
-            face::{Leaving, Own},
+            contact::ContactPoint,
+            face::{Crossing, FaceId, Leaving},
             sphere::Sphere,
         },
     },
@@ -30,37 +31,12 @@ use crate::{
 pub(super) const MANY: usize = 1 << 8;
 
 /// The shadow rays of eight points.
-struct Rays<'a, S: Simd> {
+struct Rays<S: Simd> {
     origin: [S::F64; 3],
     direction: [S::F64; 3],
     /// `d·d`
     a: S::F64,
     t_max: S::F64,
-    /// The faces that they leave, once a shape asks for them.
-    owns: OnceCell<Owns<'a>>,
-}
-
-/// The faces that eight points lie on: as a rule, one or two.
-struct Owns<'a> {
-    different: [Option<Own<'a>>; LANES],
-    /// The place of each point's among them.
-    places: [usize; LANES],
-}
-
-impl Owns<'_> {
-    /// Returns the parts of the faces in a shape.
-    fn on(&self, shape: &Shape) -> [Leaving<'_>; LANES] {
-        let mut leaving = [Leaving::NOTHING; LANES];
-        for (place, own) in self.different.iter().flatten().enumerate() {
-            let on_shape = own.on(shape);
-            for (leaving, of) in leaving.iter_mut().zip(&self.places) {
-                if *of == place {
-                    *leaving = on_shape;
-                }
-            }
-        }
-        leaving
-    }
 }
 
 /// The division of the equations.
@@ -105,27 +81,27 @@ impl<'a> Casting<'a> {
             direction,
             a: dot(direction, direction),
             t_max: simd.splat(self.toward.t_max()),
-            owns: OnceCell::new(),
         };
         let mut open = 0;
-        let mut lit = points.asked & !self.leaves(simd, &rays, points, &mut open);
+        let mut lit = points.asked & !self.leaves(simd, &rays, points);
         if *last != NOTHING && lit != 0 {
-            let hits = match self.geometries[*last as usize].shape().sphere() {
-                Some(sphere) => meet_sphere(simd, &rays, sphere) & lit,
+            let hits = match self.world.geometries()[*last as usize].shape().sphere() {
+                Some(sphere) => {
+                    self.meet_sphere(simd, &rays, points, (*last, sphere), &mut open) & lit
+                }
                 None => 0,
             };
+            lit &= !hits;
             if hits == 0 {
                 *last = NOTHING;
-            } else {
-                lit &= !self.others(points, hits, *last);
             }
         }
         if lit != 0 && !self.planes.is_empty() {
-            lit = self.meet_planes(simd, &rays, points, lit);
+            lit = self.meet_planes(simd, &rays, points, lit, &mut open);
         }
         for occluders in &self.occluders {
             for index in &occluders.odd {
-                lit = self.meet_each(simd, &rays, points, lit, *index);
+                lit = self.meet_each(simd, &rays, points, lit, *index, &mut open);
             }
             if lit == 0 {
                 break;
@@ -145,7 +121,7 @@ impl<'a> Casting<'a> {
 
     /// Returns the points on spheres that cast shadows whose rays meet the far side of that sphere.
     #[inline(always)]
-    fn leaves<S: Simd>(&self, simd: S, rays: &Rays<S>, points: &Points<S>, open: &mut u8) -> u8 {
+    fn leaves<S: Simd>(&self, simd: S, rays: &Rays<S>, points: &Points<S>) -> u8 {
         let (oc, two) = (sub(rays.origin, points.center), simd.splat(2.0));
         let b = dot(rays.direction, [two * oc[0], two * oc[1], two * oc[2]]);
         // Most rays leave outward.
@@ -154,18 +130,11 @@ impl<'a> Casting<'a> {
         }
         let t = -b / rays.a;
         let leaves = points.is_sphere & simd.splat(0.0).lt(t) & t.lt(rays.t_max);
-        let mut leaves = leaves.bits() & points.asked;
-        let mut dark = leaves;
-        while leaves != 0 {
-            let lane = leaves.trailing_zeros() as usize;
-            leaves &= leaves - 1;
-            if !self
-                .casters
-                .hold(&self.geometries[points.own[lane] as usize])
-            {
-                // An equal sphere may cast one.
+        let mut dark = leaves.bits() & points.asked;
+        for lane in bits(dark) {
+            let own = &self.world.geometries()[points.own[lane] as usize];
+            if !self.casters.hold(own) {
                 dark &= !(1 << lane);
-                *open |= 1 << lane;
             }
         }
         dark
@@ -173,77 +142,78 @@ impl<'a> Casting<'a> {
 
     /// Returns the points that no plane shadows.
     #[inline(always)]
-    fn meet_planes<S: Simd>(&self, simd: S, rays: &Rays<S>, points: &Points<S>, mut lit: u8) -> u8 {
+    fn meet_planes<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        points: &Points<S>,
+        mut lit: u8,
+        open: &mut u8,
+    ) -> u8 {
         for (index, plane) in &self.planes {
             let normal = splat3(simd, plane.normal());
             let numerator = dot(sub(splat3(simd, plane.point()), rays.origin), normal);
             let denominator = dot(rays.direction, normal);
             let zero = simd.splat(0.0);
+            let touching = simd.splat(points.slack_of_plane(plane));
+            let near = abs(numerator).le(touching).bits() & lit;
             let ahead = (zero.lt(numerator) & zero.lt(denominator))
                 | (numerator.lt(zero) & denominator.lt(zero));
             // Otherwise, t is negative, infinite or NaN.
-            if ahead.bits() & lit == 0 {
+            if ahead.bits() & lit | near == 0 {
                 continue;
             }
             let t = numerator / denominator;
             let hits = (simd.splat(0.0).lt(t) & t.lt(rays.t_max)).bits() & lit;
-            if hits != 0 {
-                lit &= !self.others(points, hits, *index);
-            }
+            lit &= !self.others(points, [hits, near], *index, open);
         }
         lit
     }
 
-    /// Returns the hits of a geometry that count: those of rays that leave another surface.
+    /// Returns the hits of a geometry that count: those of rays that leave other surfaces. Notes the points
+    /// that lie on the geometry, given those that may.
     #[inline(always)]
-    fn others<S: Simd>(&self, points: &Points<S>, mut hits: u8, index: u32) -> u8 {
-        let shape = self.geometries[index as usize].shape();
-        let mut others = hits;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
-            hits &= hits - 1;
-            let own = points.own[lane];
-            let is_own = own == index
-                || match shape.sphere() {
-                    Some(sphere) => self.geometries[own as usize].shape().sphere() == Some(sphere),
-                    None => self.is_all_of(own, points.faces[lane], shape),
-                };
-            if is_own {
-                others &= !(1 << lane);
+    fn others<S: Simd>(
+        &self,
+        points: &Points<S>,
+        [hits, near]: [u8; 2],
+        index: u32,
+        open: &mut u8,
+    ) -> u8 {
+        let own = (0..LANES).fold(0, |own, lane| {
+            own | u8::from(points.own[lane] == index) << lane
+        });
+        let near = near & points.asked & !own;
+        match near {
+            0 => hits & !own,
+            _ => {
+                let touched = self.touched(points, near, index);
+                *open |= touched;
+                hits & !(own | touched)
             }
         }
-        others
     }
 
-    /// Returns true if the only face of a shape is the same surface as a face of a geometry, at least in
-    /// part. Spheres do not come here: a call in a kernel is dear.
+    /// Returns which of some points lie on a geometry, which is not the one that was hit.
     #[cold]
     #[inline(never)]
-    fn is_all_of(&self, own: u32, face: u64, shape: &Shape) -> bool {
-        let own = self.geometries[own as usize].shape();
-        Own::new(own, face).is_all_of(shape)
-    }
-
-    /// Returns the faces that the points lie on.
-    #[inline(never)]
-    fn owns(&self, asked: u8, own: &[u32; LANES], faces: &[u64; LANES]) -> Owns<'a> {
-        let (mut different, mut count) = ([None; LANES], 0);
-        let mut places = [LANES; LANES];
-        for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
-            let is_same = |other: &usize| {
-                places[*other] < LANES && own[*other] == own[lane] && faces[*other] == faces[lane]
-            };
-            places[lane] = match (0..lane).find(is_same) {
-                Some(other) => places[other],
-                None => {
-                    let shape = self.geometries[own[lane] as usize].shape();
-                    different[count] = Some(Own::new(shape, faces[lane]));
-                    count += 1;
-                    count - 1
-                }
-            };
+    fn touched<S: Simd>(&self, points: &Points<S>, near: u8, index: u32) -> u8 {
+        let shape = self.world.geometries()[index as usize].shape();
+        let mut touched = 0;
+        for lane in bits(near) {
+            let (ray, t) = points.ray(lane);
+            let mut is_touched = false;
+            shape.each_face_near(&ContactPoint::vague(&ray, t), &mut |face| {
+                is_touched |= face.is_touched;
+            });
+            if is_touched {
+                let (own, face) = (points.own[lane] as usize, points.faces[lane]);
+                let among = [own, index as usize].into_iter();
+                let contact = self.world.contact(&ray, (own, Crossing { t, face }), among);
+                touched |= u8::from(contact.is_some()) << lane;
+            }
         }
-        Owns { different, places }
+        touched
     }
 
     /// Tests a shape against each ray, as the plain loop does.
@@ -251,24 +221,39 @@ impl<'a> Casting<'a> {
     fn meet_each<S: Simd>(
         &self,
         simd: S,
-        rays: &Rays<'a, S>,
+        rays: &Rays<S>,
         points: &Points<S>,
-        lit: u8,
+        mut lit: u8,
         index: u32,
+        open: &mut u8,
     ) -> u8 {
         if lit == 0 {
             return 0;
         }
-        let owns = || self.owns(points.asked, points.own, points.faces);
-        let owns = rays.owns.get_or_init(owns);
+        let shape = self.world.geometries()[index as usize].shape();
+        let mut touched = 0;
+        if points.are_near(simd, shape) {
+            self.others(points, [0, lit], index, &mut touched);
+            *open |= touched;
+            lit &= !touched;
+        }
         let mut lines = [[[0.0; LANES]; 3]; 2];
         for (lines, vectors) in lines.iter_mut().zip([rays.origin, rays.direction]) {
             for (line, axis) in lines.iter_mut().zip(vectors) {
                 axis.store(line);
             }
         }
-        let shape = self.geometries[index as usize].shape();
-        meet_bundle(simd, lines, (lit, self.toward.t_max()), owns, shape)
+        let left: [FaceId; LANES] = std::array::from_fn(|lane| FaceId {
+            geometry: points.own[lane] as usize,
+            face: points.faces[lane],
+        });
+        meet_bundle(
+            simd,
+            lines,
+            (lit, self.toward.t_max()),
+            (&left, index),
+            shape,
+        ) | touched
     }
 
     /// Returns the points that no other shape shadows.
@@ -276,7 +261,7 @@ impl<'a> Casting<'a> {
     fn meet_lists<S: Simd>(
         &self,
         simd: S,
-        rays: &Rays<'a, S>,
+        rays: &Rays<S>,
         points: &Points<S>,
         (lists, mut lit): (&Lists, u8),
         last: &mut u32,
@@ -331,8 +316,8 @@ impl<'a> Casting<'a> {
                 if list.len() > MANY {
                     *open |= same;
                 } else if !list.is_empty() {
-                    let dark =
-                        same & !self.meet_list(simd, rays, points, (list, &places, same), last);
+                    let dark = same
+                        & !self.meet_list(simd, rays, points, (list, &places, same), last, open);
                     lit &= !dark;
                 }
             }
@@ -345,10 +330,11 @@ impl<'a> Casting<'a> {
     fn meet_list<S: Simd>(
         &self,
         simd: S,
-        rays: &Rays<'a, S>,
+        rays: &Rays<S>,
         points: &Points<S>,
         (list, places, mut lit): (&[Eight], &Places<S>, u8),
         last: &mut u32,
+        open: &mut u8,
     ) -> u8 {
         let area = places.area(simd, lit);
         let low = [simd.splat_f32(area.low[0]), simd.splat_f32(area.low[1])];
@@ -363,7 +349,8 @@ impl<'a> Casting<'a> {
                 & simd.load_f32(&eight.low[1]).le(high[1])
                 & low[0].le(simd.load_f32(&eight.high[0]))
                 & low[1].le(simd.load_f32(&eight.high[1]));
-            let shape = |lane: usize| self.geometries[eight.index[lane] as usize].shape();
+            let geometries = self.world.geometries();
+            let shape = |lane: usize| geometries[eight.index[lane] as usize].shape();
             for lane in bits(near) {
                 simd.prefetch(shape(lane));
             }
@@ -374,27 +361,65 @@ impl<'a> Casting<'a> {
                 let lane = near.trailing_zeros() as usize;
                 near &= near - 1;
                 let index = eight.index[lane];
-                let Some(sphere) = self.geometries[index as usize].shape().sphere() else {
-                    lit = self.meet_each(simd, rays, points, lit, index);
+                let Some(sphere) = geometries[index as usize].shape().sphere() else {
+                    lit = self.meet_each(simd, rays, points, lit, index, open);
                     if lit == 0 {
                         return 0;
                     }
                     continue;
                 };
-                let hits = meet_sphere(simd, rays, sphere) & lit;
+                let hits = self.meet_sphere(simd, rays, points, (index, sphere), open) & lit;
                 if hits != 0 {
-                    let others = self.others(points, hits, index);
-                    if others != 0 {
-                        *last = index;
-                        lit &= !others;
-                        if lit == 0 {
-                            return 0;
-                        }
+                    *last = index;
+                    lit &= !hits;
+                    if lit == 0 {
+                        return 0;
                     }
                 }
             }
         }
         lit
+    }
+
+    /// Returns the rays that hit a sphere. Notes the points that lie on it.
+    #[inline(always)]
+    fn meet_sphere<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        points: &Points<S>,
+        (index, sphere): (u32, &Sphere),
+        open: &mut u8,
+    ) -> u8 {
+        let (zero, two) = (simd.splat(0.0), simd.splat(2.0));
+        let radius = sphere.radius();
+        // By so much less, the equation of a point on the sphere may be wrong.
+        let slack = points.slack_of_ball(radius);
+        let oc = sub(rays.origin, splat3(simd, sphere.center()));
+        let b = dot(rays.direction, [two * oc[0], two * oc[1], two * oc[2]]);
+        let (squared, of_radius) = (dot(oc, oc), radius * radius);
+        let discriminant = |c: S::F64| b * b - (simd.splat(4.0) * rays.a) * c;
+        let grown = discriminant(squared - simd.splat(of_radius + slack));
+        if zero.le(grown).bits() == 0 {
+            return 0;
+        }
+        let c = squared - simd.splat(of_radius);
+        let near = abs(c).le(simd.splat(slack)).bits();
+        let discriminant = discriminant(c);
+        let meets = zero.le(discriminant);
+        let root = discriminant.sqrt();
+        let first = Plain.over_2a(simd, -b - root, rays.a);
+        let hits = meets & zero.lt(first) & first.lt(rays.t_max);
+        let others = meets & !hits;
+        let mut hits = hits.bits();
+        if others.bits() != 0 {
+            let last = Plain.over_2a(simd, -b + root, rays.a);
+            hits |= (others & zero.lt(last) & last.lt(rays.t_max)).bits();
+        }
+        match hits | near {
+            0 => 0,
+            _ => self.others(points, [hits, near], index, open),
+        }
     }
 }
 
@@ -404,12 +429,18 @@ fn meet_bundle<S: Simd>(
     simd: S,
     [origins, directions]: [[[f64; LANES]; 3]; 2],
     (lit, end): (u8, f64),
-    owns: &Owns,
+    (left, index): (&[FaceId; LANES], u32),
     shape: &Shape,
 ) -> u8 {
     let t_max = |lane: usize| if lit >> lane & 1 == 1 { end } else { 0.0 };
     let bundle = Bundle::new(origins, directions, std::array::from_fn(t_max));
-    let met = first_of_each(simd, shape, &bundle, &owns.on(shape));
+    let leaving = left
+        .each_ref()
+        .map(|left| match left.geometry == index as usize {
+            true => Leaving::of(slice::from_ref(left), index as usize),
+            false => Leaving::NOTHING,
+        });
+    let met = first_of_each(simd, shape, &bundle, &leaving);
     (0..LANES).fold(lit, |lit, lane| {
         lit & !(u8::from(met[lane].is_some()) << lane)
     })
@@ -435,28 +466,4 @@ impl<S: Simd> Places<S> {
 #[inline(always)]
 fn above(x: f64) -> f32 {
     (x + x.abs() * 1e-6) as f32
-}
-
-/// Returns the rays that hit a sphere.
-#[inline(always)]
-fn meet_sphere<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> u8 {
-    let (zero, two) = (simd.splat(0.0), simd.splat(2.0));
-    let radius = sphere.radius();
-    let oc = sub(rays.origin, splat3(simd, sphere.center()));
-    let b = dot(rays.direction, [two * oc[0], two * oc[1], two * oc[2]]);
-    let c = dot(oc, oc) - simd.splat(radius * radius);
-    let discriminant = b * b - (simd.splat(4.0) * rays.a) * c;
-    let meets = zero.le(discriminant);
-    if meets.bits() == 0 {
-        return 0;
-    }
-    let root = discriminant.sqrt();
-    let near = Plain.over_2a(simd, -b - root, rays.a);
-    let hits = meets & zero.lt(near) & near.lt(rays.t_max);
-    let others = meets & !hits;
-    if others.bits() == 0 {
-        return hits.bits();
-    }
-    let far = Plain.over_2a(simd, -b + root, rays.a);
-    (hits | (others & zero.lt(far) & far.lt(rays.t_max))).bits()
 }

@@ -21,6 +21,7 @@ use crate::{
     accel::{
         bvh::build::Builder,
         kept::{WorldOfFrame, built},
+        lanes::abs,
         shadow::{
             casters::{Casters, Toward},
             meet::MANY,
@@ -28,10 +29,11 @@ use crate::{
         },
     },
     film::colors::NOTHING,
-    simd::{LANES, Simd},
+    simd::{F64x8, LANES, Mask, Simd},
     tracer::{
-        geometry::Geometry,
-        shape::{Extent, plane::Plane},
+        ray::Ray,
+        shape::{Extent, Shape, around::Around, contact::REACH, plane::Plane},
+        world::World,
     },
 };
 
@@ -47,8 +49,73 @@ pub(crate) struct Points<'a, S: Simd> {
     pub(crate) center: [S::F64; 3],
     /// The points that lie on spheres.
     pub(crate) is_sphere: S::Mask,
-    /// The points whose shadows are asked for; all others may be anything.
+    /// The rays that arrived there: their origins and directions, and the `t` of the points.
+    pub(crate) rays: ([[S::F64; 3]; 2], S::F64),
+    /// The points whose shadows are asked for; all others may be anything. Each lies on no other face of its
+    /// geometry.
     pub(crate) asked: u8,
+    /// The largest coordinate of those and of the origins of their rays.
+    pub(crate) most: f64,
+}
+
+/// The part of the coordinates of a point by which it may lie beside a face that it lies on, or more.
+const BESIDE: f64 = 1.0 / (1 << 28) as f64;
+
+/// The part of the numbers of an equation by which it may be wrong at a point on the face, or more.
+const WRONG: f64 = 1.0 / (1_u64 << 44) as f64;
+
+impl<'a, S: Simd> Points<'a, S> {
+    /// Creates points, given the numbers that are known of them.
+    #[inline(always)]
+    pub(crate) fn most_of(simd: S, asked: u8, vectors: [[S::F64; 3]; 2]) -> f64 {
+        let zero = simd.splat(0.0);
+        let all = vectors.as_flattened().iter();
+        let most = all.fold(zero, |most, x| most.max(abs(*x)));
+        S::F64::select(simd.mask(asked), most, zero).largest()
+    }
+
+    /// Returns by how much the equation of a ball of some radius may be off 0 at a point on it, or more.
+    #[inline(always)]
+    fn slack_of_ball(&self, radius: f64) -> f64 {
+        let most = self.most + radius;
+        2.0 * BESIDE * self.most * radius + 0.25 * WRONG * (most * most)
+    }
+
+    /// The same for a plane.
+    #[inline(always)]
+    fn slack_of_plane(&self, plane: &Plane) -> f64 {
+        let far = plane.point().abs().max_element();
+        (BESIDE * self.most + WRONG * far) * plane.normal().abs().element_sum()
+    }
+
+    /// Returns true if some points may be near a shape.
+    #[inline(always)]
+    fn are_near(&self, simd: S, shape: &Shape) -> bool {
+        let Some([low, high]) = shape.around().as_ref().and_then(Around::bounds) else {
+            return true;
+        };
+        let reach = simd.splat(REACH * self.most);
+        let mut are_near = simd.mask(self.asked);
+        for axis in 0..3 {
+            let at = self.at[axis];
+            are_near = are_near
+                & simd.splat(low[axis]).le(at + reach)
+                & at.le(simd.splat(high[axis]) + reach);
+        }
+        are_near.bits() != 0
+    }
+
+    /// Returns the ray that arrived at a point, and its `t`.
+    fn ray(&self, lane: usize) -> (Ray, f64) {
+        let at = |numbers: S::F64| {
+            let mut lanes = [0.0; LANES];
+            numbers.store(&mut lanes);
+            lanes[lane]
+        };
+        let (vectors, t) = self.rays;
+        let [origin, direction] = vectors.map(|vector| DVec3::from(vector.map(at)));
+        (Ray::new(origin, direction), at(t))
+    }
 }
 
 /// The shadows on eight points, lane i as bit i.
@@ -63,7 +130,7 @@ pub(crate) struct FoundShadows {
 /// The end of shadow rays, and everything of a kind that may cast a shadow there.
 #[derive(Debug)]
 struct Casting<'a> {
-    geometries: &'a [Geometry],
+    world: &'a World,
     casters: Casters,
     toward: Toward,
     /// The planes, and their indices.
@@ -103,7 +170,7 @@ impl<'a> Casting<'a> {
             .flat_map(|some| some.planes.iter().copied());
         let planes = planes.filter_map(plane).collect();
         (!occluders.is_empty()).then_some(Self {
-            geometries,
+            world: world.0,
             casters,
             toward,
             planes,

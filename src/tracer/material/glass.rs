@@ -47,19 +47,29 @@ impl Glass {
 
     /// Returns the reflection and refraction of a ray that meets the surface at an angle with this
     /// cosine, from outside or from inside.
+    pub fn fresnel(&self, cosine: f64, from_outside: bool) -> Fresnel {
+        Fresnel::new(
+            cosine,
+            if from_outside {
+                self.ior
+            } else {
+                1.0 / self.ior
+            },
+        )
+    }
+}
+
+impl Fresnel {
+    /// Returns the reflection and refraction of a ray that meets a surface at an angle with this cosine,
+    /// given the index behind it relative to that before it.
     ///
     /// Snell's law gives the refracted ray; Fresnel's equations, for unpolarized light, the
     /// reflected part (Born and Wolf, "Principles of Optics", section 1.5).
-    pub fn fresnel(&self, cosine: f64, from_outside: bool) -> Fresnel {
-        let eta = if from_outside {
-            self.ior
-        } else {
-            1.0 / self.ior
-        };
+    pub(crate) fn new(cosine: f64, eta: f64) -> Self {
         let squared = 1.0 - (1.0 - cosine * cosine) / (eta * eta);
         // Also if the cosine is slightly above 1, squared is.
         if squared <= 0.0 {
-            return Fresnel {
+            return Self {
                 reflected: 1.0,
                 eta,
                 cos_refracted: 0.0,
@@ -68,7 +78,7 @@ impl Glass {
         let cos_refracted = squared.sqrt();
         let perpendicular = (cosine - eta * cos_refracted) / (cosine + eta * cos_refracted);
         let parallel = (eta * cosine - cos_refracted) / (eta * cosine + cos_refracted);
-        Fresnel {
+        Self {
             reflected: (perpendicular * perpendicular + parallel * parallel) / 2.0,
             eta,
             cos_refracted,

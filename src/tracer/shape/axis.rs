@@ -7,7 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::Around,
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::Leaving,
         plane::Plane,
         span::Span,
@@ -64,9 +64,9 @@ impl Axis {
     #[inline]
     pub(crate) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let mut heights = self.heights(ray);
-        if leaving.is_flat() {
-            for (height, end) in heights.iter_mut().zip(&self.ends) {
-                *height = if leaving.is_in(end) { 0.0 } else { *height };
+        if !leaving.is_empty() {
+            for (height, end) in heights.iter_mut().zip(1..) {
+                *height = if leaving.has(end) { 0.0 } else { *height };
             }
         }
         Span::slab(heights, ray.direction().dot(self.w), [1, 2])
@@ -152,15 +152,16 @@ impl Axis {
         see: &mut dyn FnMut(NearFace),
     ) {
         let side = self.side(at, radii[0], slope);
-        let (height, away) = self.place_of(at.point);
-        let length = self.length();
-        see(at.face(0, &side, |slack| {
-            (-slack..=length + slack).contains(&height)
+        let (q, length) = (at.point - self.from, self.length());
+        let height = q.dot(self.w);
+        let across = q - height * self.w;
+        see(at.face(0, &side, || {
+            FaceEdge::of_interval(height, [0.0, length], self.w)
         }));
         let caps = [(1, self.from, radii[0]), (2, self.to, radii[1])];
         for (face, center, radius) in caps.into_iter().filter(|_| is_capped) {
             let equation = FaceEquation::plane(at, center, self.w);
-            see(at.face(face, &equation, |slack| away <= radius + slack));
+            see(at.face(face, &equation, || FaceEdge::of_circle(across, radius)));
         }
     }
 

@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         axis::{Axis, outward},
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace, REACH},
         face::{Faces, Leaving},
         span::{Convex, Round, Span},
         working::{Term, Working},
@@ -69,10 +69,22 @@ impl Capsule {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
-        see(at.face(0, &self.axis.side(at, self.radius, 0.0), |_| true));
-        for (face, center) in [(1, self.from()), (2, self.to())] {
+        // Where they are tangent, a point lies on both even a little before the joint.
+        let joint = REACH * self.radius;
+        let (w, length) = (self.axis.w, self.axis.length());
+        let height = (at.point - self.from()).dot(w);
+        let within = |[low, high]: [f64; 2]| {
+            move || FaceEdge::of_interval(height, [low - joint, high + joint], w)
+        };
+        let side = self.axis.side(at, self.radius, 0.0);
+        see(at.face(0, &side, within([0.0, length])));
+        let ends = [
+            (1, self.from(), [f64::NEG_INFINITY, 0.0]),
+            (2, self.to(), [length, f64::INFINITY]),
+        ];
+        for (face, center, heights) in ends {
             let ball = FaceEquation::ball(at, center, self.radius);
-            see(at.face(face, &ball, |_| true));
+            see(at.face(face, &ball, within(heights)));
         }
     }
 
@@ -81,9 +93,8 @@ impl Capsule {
     fn rounds(&self, ray: &Ray, leaving: Leaving) -> [Option<Span>; 3] {
         let (q, e) = self.axis.across(ray);
         let d = ray.direction();
-        let round = |face: u64, q: DVec3, d: DVec3| {
-            Span::round(q, d, self.radius, leaving.face == Some(face), face)
-        };
+        let round =
+            |face: u64, q: DVec3, d: DVec3| Span::round(q, d, self.radius, leaving.has(face), face);
         [
             round(0, q, e),
             round(1, ray.origin() - self.from(), d),
@@ -148,13 +159,8 @@ impl Convex for Capsule {
     #[inline]
     fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let rounds = self.rounds(ray, leaving);
-        if let Some(face) = leaving.face
-            && let Some(own) = rounds.get(face as usize).copied().flatten()
-            && own.exit.t <= 0.0
-        {
-            // Outward, and the shape is convex.
-            return None;
-        }
+        let mut left = leaving.faces().filter_map(|face| rounds.get(face as usize));
+        let is_outward = left.any(|own| own.is_some_and(|own| own.exit.t <= 0.0));
         let [side, from, to] = rounds;
         let ends = self.axis.span(ray, Leaving::NOTHING);
         let on_side = side
@@ -166,7 +172,7 @@ impl Convex for Capsule {
             .into_iter()
             .flatten()
             .flat_map(|ball| [ball.enter, ball.exit]);
-        on_side
+        let mut span = on_side
             .chain(on_balls)
             .fold(None, |span: Option<Span>, at| {
                 let Some(Span { enter, exit }) = span else {
@@ -179,7 +185,18 @@ impl Convex for Capsule {
                     enter: if at.t < enter.t { at } else { enter },
                     exit: if at.t > exit.t { at } else { exit },
                 })
-            })
+            })?;
+        if !leaving.is_empty() {
+            // The shape is convex.
+            let end = if is_outward {
+                &mut span.exit
+            } else {
+                &mut span.enter
+            };
+            end.t = 0.0;
+            span.enter.t = span.enter.t.min(0.0);
+        }
+        Some(span)
     }
 
     /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.

@@ -156,7 +156,7 @@ impl Cone {
     /// Returns the spans of the side and between the ends.
     #[inline]
     fn spans(&self, ray: &Ray, leaving: Leaving) -> Option<[Span; 2]> {
-        let side = if leaving.face == Some(0) {
+        let side = if leaving.has(0) {
             let terms = self.terms(ray, 0.0);
             let c = 0.0;
             let discriminant = terms.h * terms.h;

@@ -5,17 +5,33 @@
 //! another, where a copy stands in the place of its original. A gap that is wider stays a gap.
 //!
 //! With `ε = 2⁻⁴⁸`, `s` the largest of `|oᵢ| + |t·dᵢ|`, and the distance `δ` of P from the face that was
-//! hit, the place of P is uncertain by `r = ε·s + 2δ`. A face has an equation `f = 0` with the gradient
-//! G, in a space that P is mapped to: `p = L⁻¹·(P - s)`, uncertain by `e = ε·|L⁻¹|·(|P| + |s|)` more. P
-//! lies on it if `|f(p)| ≤ r·|L⁻ᵀG| + Σ|Gᵢ|·(ε·(|pᵢ| + sizeᵢ) + eᵢ)`, with the numbers of the equation in
-//! `size`, and if p lies in its extent, widened by the same errors.
+//! hit, the place of P is uncertain by `r = ε·s + min(2δ, 2⁻³⁰·s)`. A face has an equation `f = 0` with the
+//! gradient G, in a space that P is mapped to: `p = L⁻¹·(P - s)`, uncertain by `e = ε·|L⁻¹|·(|P| + |s|)`
+//! more. P lies on it if `|f(p)| ≤ r·|L⁻ᵀG| + Σ|Gᵢ|·(ε·(|pᵢ| + sizeᵢ) + eᵢ)`, with the numbers of the
+//! equation in `size`, and if p lies in its extent, widened by the same errors.
+//!
+//! What is farther than `2⁻²⁰` of the larger of P and o from the box of a shape is not asked.
 
 use glam::DVec3;
 
-use crate::tracer::{ray::Ray, transform::Transform};
+use crate::tracer::{
+    ray::Ray,
+    shape::{Shape, around::Around},
+    transform::Transform,
+    vector::unit,
+};
 
 /// The part of a number by which it may be wrong: 16 roundings.
 const EPSILON: f64 = 16.0 * f64::EPSILON;
+
+/// The largest part of its coordinates by which a point counts as away from the face that was hit: 2⁻³⁰.
+const FARTHEST: f64 = 1.0 / (1 << 30) as f64;
+
+/// The part of the coordinates of a point by which a box around it reaches all faces that it lies on: 2⁻²⁰.
+pub(crate) const REACH: f64 = 1.0 / (1 << 20) as f64;
+
+/// The largest number of edges around a face.
+const EDGES: usize = 4;
 
 /// A point where a ray has arrived, as a shape sees it.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +42,12 @@ pub(crate) struct ContactPoint {
     pub(crate) origin: DVec3,
     /// The point in the world.
     world: DVec3,
+    /// The largest of its numbers, `s`.
+    scale: f64,
     /// The uncertainty of its place in the world, `r`.
     uncertainty: f64,
+    /// How far from it a face may be that it lies on.
+    reach: f64,
     /// How it was mapped, if it was.
     mapping: Option<Mapping>,
 }
@@ -54,6 +74,15 @@ pub(crate) struct FaceEquation {
     pub(crate) more: f64,
 }
 
+/// An edge of a face beside a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceEdge {
+    /// The distance of the point from the edge, above 0 over the face.
+    pub(crate) distance: f64,
+    /// A vector from the edge into the face.
+    pub(crate) inward: DVec3,
+}
+
 /// A face beside a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearFace {
@@ -63,18 +92,44 @@ pub(crate) struct NearFace {
     pub(crate) distance: f64,
     /// True if the point lies on it.
     pub(crate) is_touched: bool,
+    /// The unit vector along its gradient in the world.
+    pub(crate) normal: DVec3,
+    /// If the point lies on edges of it: vectors whose products with a direction in the world have the sign
+    /// of those with the vectors into the face.
+    pub(crate) edges: [Option<DVec3>; EDGES],
 }
 
 impl ContactPoint {
-    /// Creates the point where a ray arrives at `t`, on a face at this distance.
-    pub(crate) fn new(ray: &Ray, t: f64, distance: f64) -> Self {
+    /// Creates the point where a ray arrives at `t`, as uncertain as any may be: it lies on no face that
+    /// this one does not lie on.
+    pub(crate) fn vague(ray: &Ray, t: f64) -> Self {
         let scale = (ray.origin().abs() + (t * ray.direction()).abs()).max_element();
         Self {
             point: ray.at(t),
             origin: ray.origin(),
             world: ray.at(t),
-            uncertainty: EPSILON * scale + 2.0 * distance,
+            scale,
+            uncertainty: (EPSILON + FARTHEST) * scale,
+            reach: 0.0,
             mapping: None,
+        }
+        .with_reach(0.0)
+    }
+
+    /// Returns the point at this distance from the face that was hit.
+    pub(crate) fn at_distance(&self, distance: f64) -> Self {
+        let away = (2.0 * distance).min(FARTHEST * self.scale);
+        Self {
+            uncertainty: EPSILON * self.scale + away,
+            ..*self
+        }
+    }
+
+    fn with_reach(self, more: f64) -> Self {
+        let most = self.point.abs().max(self.origin.abs()).max_element();
+        Self {
+            reach: REACH * most + more,
+            ..self
         }
     }
 
@@ -90,7 +145,7 @@ impl ContactPoint {
             }
         };
         let shift = self.mapping.map_or(DVec3::ZERO, |mapping| mapping.shift);
-        Self {
+        let before = Self {
             point: transform.point_back(self.point),
             origin: transform.point_back(self.origin),
             mapping: Some(Mapping {
@@ -98,16 +153,29 @@ impl ContactPoint {
                 shift: shift + transform.shift().abs(),
             }),
             ..*self
-        }
+        };
+        let (_, stretch) = before.mapped_back(DVec3::ZERO);
+        let errors = before.error_of_mapping().element_sum();
+        before.with_reach(4.0 * ((EPSILON + FARTHEST) * self.scale * stretch + errors))
     }
 
-    /// Returns a face, given its equation at the point and whether the point lies in its extent, which
-    /// is widened by a length.
-    pub(crate) fn face(
+    /// The corners of a box around all faces that the point lies on.
+    pub(crate) fn around(&self) -> [DVec3; 2] {
+        [self.point - self.reach, self.point + self.reach]
+    }
+
+    /// Returns true if a face in a box may be one that the point lies on.
+    pub(crate) fn is_near(&self, [low, high]: [DVec3; 2]) -> bool {
+        let [from, to] = self.around();
+        low.cmple(to).all() && high.cmpge(from).all()
+    }
+
+    /// Returns a face, given its equation at the point and the edges around it, if it has any.
+    pub(crate) fn face<const N: usize>(
         &self,
         face: u64,
         equation: &FaceEquation,
-        extends: impl FnOnce(f64) -> bool,
+        edges: impl FnOnce() -> [FaceEdge; N],
     ) -> NearFace {
         let FaceEquation {
             value,
@@ -118,25 +186,36 @@ impl ContactPoint {
         let of_mapping = self.error_of_mapping();
         let errors = EPSILON * (self.point.abs() + size) + of_mapping;
         let (normal, stretch) = self.mapped_back(gradient);
-        let bound = self.uncertainty * normal + gradient.abs().dot(errors) + more;
-        let is_near = value.abs() <= bound;
-        let slack = self.uncertainty * stretch + errors.element_sum();
-        NearFace {
+        let length = normal.length();
+        let bound = self.uncertainty * length + gradient.abs().dot(errors) + more;
+        let mut near = NearFace {
             face,
-            distance: value.abs() / normal,
-            is_touched: is_near && extends(slack),
+            distance: value.abs() / length,
+            is_touched: value.abs() <= bound,
+            normal: DVec3::ZERO,
+            edges: [None; EDGES],
+        };
+        if near.is_touched {
+            near.normal = unit(normal);
+            let slack = self.uncertainty * stretch + errors.element_sum();
+            for (place, edge) in near.edges.iter_mut().zip(edges()) {
+                near.is_touched &= edge.distance >= -slack;
+                let is_on_edge = edge.distance <= slack;
+                *place = is_on_edge.then(|| self.mapped_back(edge.inward).0);
+            }
         }
+        near
     }
 
-    /// Returns `|L⁻ᵀG|`, and the Frobenius norm of `L⁻¹`, which bounds how far an error is magnified.
-    fn mapped_back(&self, gradient: DVec3) -> (f64, f64) {
+    /// Returns `L⁻ᵀG`, and the Frobenius norm of `L⁻¹`, which bounds how far an error is magnified.
+    fn mapped_back(&self, gradient: DVec3) -> (DVec3, f64) {
         let Some(Mapping { rows, .. }) = self.mapping else {
-            return (gradient.length(), 1.0);
+            return (gradient, 1.0);
         };
         let [x, y, z] = rows;
         let normal = (x * gradient.x + y * gradient.y) + z * gradient.z;
         let squares = rows.map(|row| row.dot(row));
-        (normal.length(), squares.iter().sum::<f64>().sqrt())
+        (normal, squares.iter().sum::<f64>().sqrt())
     }
 
     /// Returns `e`.
@@ -145,6 +224,16 @@ impl ContactPoint {
             let numbers = self.world.abs() + shift;
             EPSILON * DVec3::from(rows.map(|row| row.abs().dot(numbers)))
         })
+    }
+}
+
+impl Shape {
+    /// Calls `see` with each face and its place beside a point, if the point is near the shape.
+    pub(crate) fn each_face_near(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+        let around = self.around().as_ref().and_then(Around::bounds);
+        if around.is_none_or(|around| at.is_near(around)) {
+            self.each_face(at, see);
+        }
     }
 }
 
@@ -171,14 +260,49 @@ impl FaceEquation {
     }
 }
 
-/// Returns true if a point lies over a convex polygon in a plane with the normal `n`, counterclockwise
-/// around it, that is widened by a length.
-pub(crate) fn lies_over(corners: &[DVec3], n: DVec3, point: DVec3, slack: f64) -> bool {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).all(|(from, to)| {
-        let inward = n.cross(to - from);
-        (point - from).dot(inward) >= -slack * inward.length()
-    })
+impl FaceEdge {
+    /// The edges of a face that has none.
+    pub(crate) const fn none() -> [Self; 0] {
+        []
+    }
+
+    /// Returns those of a convex polygon in a plane with the normal `n`, counterclockwise around it.
+    pub(crate) fn of_polygon<const N: usize>(
+        corners: &[DVec3; N],
+        n: DVec3,
+        point: DVec3,
+    ) -> [Self; N] {
+        std::array::from_fn(|corner| {
+            let (from, to) = (corners[corner], corners[(corner + 1) % N]);
+            let inward = n.cross(to - from);
+            Self {
+                distance: (point - from).dot(inward) / inward.length(),
+                inward,
+            }
+        })
+    }
+
+    /// Returns that of a circle.
+    pub(crate) fn of_circle(from_center: DVec3, radius: f64) -> [Self; 1] {
+        [Self {
+            distance: radius - from_center.length(),
+            inward: -from_center,
+        }]
+    }
+
+    /// Returns those at both ends of an interval along a unit vector, at a height in it.
+    pub(crate) fn of_interval(height: f64, [low, high]: [f64; 2], along: DVec3) -> [Self; 2] {
+        [
+            Self {
+                distance: height - low,
+                inward: along,
+            },
+            Self {
+                distance: high - height,
+                inward: -along,
+            },
+        ]
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::Around,
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Faces, Leaving},
         plane::Plane,
         span::{Convex, Span},
@@ -75,10 +75,9 @@ impl Cuboid {
         let (o, d) = (ray.origin()[axis], ray.direction()[axis]);
         let face = 2 * axis as u64;
         let [mut low, mut high] = [self.min[axis] - o, self.max[axis] - o];
-        if leaving.is_flat() {
-            let is_left = |face| self.plane(face).is_some_and(|plane| leaving.is_in(&plane));
-            low = if is_left(face) { 0.0 } else { low };
-            high = if is_left(face + 1) { 0.0 } else { high };
+        if !leaving.is_empty() {
+            low = if leaving.has(face) { 0.0 } else { low };
+            high = if leaving.has(face + 1) { 0.0 } else { high };
         }
         Span::slab([low, high], d, [face, face + 1])
     }
@@ -90,11 +89,15 @@ impl Cuboid {
             let corner = if face % 2 == 0 { self.min } else { self.max };
             let axis = (face / 2) as usize;
             let equation = FaceEquation::plane(at, corner, self.normal(face));
-            let extends = |slack| {
-                let beside = (self.min - at.point).max(at.point - self.max);
-                (0..3).all(|other| other == axis || beside[other] <= slack)
+            let along = |axis: usize| {
+                let ends = [self.min[axis], self.max[axis]];
+                FaceEdge::of_interval(at.point[axis], ends, DVec3::AXES[axis])
             };
-            see(at.face(face, &equation, extends));
+            let edges = || {
+                let [[a, b], [c, d]] = [along((axis + 1) % 3), along((axis + 2) % 3)];
+                [a, b, c, d]
+            };
+            see(at.face(face, &equation, edges));
         }
     }
 

@@ -85,13 +85,6 @@ impl Cylinder {
         self.axis.w
     }
 
-    /// Returns true if a ray that leaves a face crosses it like one that leaves nothing.
-    #[inline]
-    pub(crate) fn is_apart_from(&self, leaving: &Leaving) -> bool {
-        let is_in = |end: &Plane| leaving.is_in(end);
-        leaving.face.is_none() && !(leaving.is_flat() && self.axis.ends.iter().any(is_in))
-    }
-
     /// Returns a box and a ball that hold nearly all of it.
     #[inline]
     pub(crate) fn near(&self) -> Near {
@@ -102,7 +95,7 @@ impl Cylinder {
     #[inline]
     fn spans(&self, ray: &Ray, leaving: Leaving) -> Option<[Span; 2]> {
         let (q, e) = self.axis.across(ray);
-        let side = Span::round(q, e, self.radius, leaving.face == Some(0), 0)?;
+        let side = Span::round(q, e, self.radius, leaving.has(0), 0)?;
         Some([side, self.axis.span(ray, leaving)?])
     }
 

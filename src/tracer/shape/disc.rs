@@ -7,8 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::Around,
-        contact::{ContactPoint, FaceEquation, NearFace},
-        face::Leaving,
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         plane::{Planar, Plane},
         working::{Term, Working},
     },
@@ -70,8 +69,8 @@ impl Disc {
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
         let equation = FaceEquation::plane(at, self.center(), self.normal());
-        let away = (at.point - self.center()).length();
-        see(at.face(0, &equation, |slack| away <= self.radius + slack));
+        let edge = || FaceEdge::of_circle(at.point - self.center(), self.radius);
+        see(at.face(0, &equation, edge));
     }
 
     /// Returns the normal at unit length.
@@ -88,11 +87,6 @@ impl Disc {
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         Some(self.center() + self.radius * rim(self.axis(), direction))
-    }
-
-    /// Returns true if a ray that leaves a face meets it like one that leaves nothing.
-    pub(crate) fn is_apart_from(&self, leaving: &Leaving) -> bool {
-        !leaving.is_in(&self.plane)
     }
 
     /// Returns `|p - a|²` for the point p of the ray at `t`.

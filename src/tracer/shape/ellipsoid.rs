@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         around::Around,
         axis::outward,
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Faces, Leaving},
         span::{Convex, Round, Span},
         working::{Term, Working},
@@ -113,7 +113,7 @@ impl Ellipsoid {
             size: self.center.abs() + ((u + v) + w),
             more: 0.0,
         };
-        see(at.face(0, &equation, |_| true));
+        see(at.face(0, &equation, FaceEdge::none));
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {
@@ -170,7 +170,7 @@ impl Convex for Ellipsoid {
     #[inline]
     fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let (q, e) = self.inside(ray);
-        Span::round(q, e, 1.0, leaving.face.is_some(), 0)
+        Span::round(q, e, 1.0, !leaving.is_empty(), 0)
     }
 
     /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.

@@ -68,6 +68,9 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
 
     /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
+
+    /// Calls `see` with each triangle whose box meets another one, and maybe with others near it.
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(u64));
 }
 
 /// The traversal of a mesh by a ray.
@@ -223,8 +226,7 @@ impl Mesh {
 
     /// Returns the lower and upper corners of the box around a triangle.
     pub(crate) fn box_of(&self, face: u64) -> Option<[DVec3; 2]> {
-        let [a, b, c] = self.corners(face)?;
-        Some([a.min(b).min(c), a.max(b).max(c)])
+        Some(box_around(self.corners(face)?))
     }
 
     /// Answers with an index from now on, unless there is one already.
@@ -244,7 +246,7 @@ impl Mesh {
         self.vertices.iter().copied().reduce(farther)
     }
 
-    pub(crate) const FACES: Faces = Faces::Triangles;
+    pub(crate) const FACES: Faces = Faces::Several;
 
     #[inline]
     pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Passage<'a> {
@@ -282,10 +284,16 @@ impl Mesh {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
-        for face in 0..self.triangles.len() as u64 {
-            if let Some(corners) = self.corners(face) {
+        let mut test = |face: u64| {
+            if let Some(corners) = self.corners(face)
+                && at.is_near(box_around(corners))
+            {
                 see(triangle_face(at, face, corners));
             }
+        };
+        match self.index.get() {
+            Some(index) => index.each_near(at.around(), &mut test),
+            None => (0..self.triangles.len() as u64).for_each(test),
         }
     }
 
@@ -373,6 +381,11 @@ impl Mesh {
 }
 
 /// Returns the plane of a triangle with these corners.
+/// Returns the corners of the box around a triangle.
+fn box_around([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
 #[inline(always)]
 pub(crate) fn plane_of([a, b, c]: [DVec3; 3]) -> Option<Plane> {
     Plane::at(a, (b - a).cross(c - a))
@@ -416,15 +429,16 @@ impl Passage<'_> {
         let corners = self.mesh.corners(face)?;
         let t = in_front(sheared.edges(corners.each_ref()).t()?, t_max)?;
         // Few triangles come so far.
-        self.counts(corners, t).then_some(Crossing { t, face })
+        self.counts(face, corners, t)
+            .then_some(Crossing { t, face })
     }
 
     /// Returns true if the crossing of a triangle's equation counts: the ray does not leave its plane,
     /// and the point lies around it.
     #[inline(always)]
-    pub(crate) fn counts(&self, corners: [DVec3; 3], t: f64) -> bool {
-        let is_own = |plane| self.leaving.is_in(&plane);
-        plane_of(corners).is_some_and(|plane| !is_own(plane))
+    pub(crate) fn counts(&self, face: u64, corners: [DVec3; 3], t: f64) -> bool {
+        plane_of(corners).is_some()
+            && !self.leaving.has(face)
             && triangle_holds(corners, self.ray, t)
     }
 

@@ -60,7 +60,7 @@ use crate::tracer::{
         contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving},
         plane::{Planar, Plane},
-        span::Convex,
+        span::{Convex, Side, Span, Spans},
         sphere::Sphere,
         working::Working,
     },
@@ -277,6 +277,17 @@ macro_rules! of_solid {
 
 pub(crate) use of_solid;
 
+/// What a face bounds, with the first of the faces that belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Body {
+    /// Nothing: it has no thickness.
+    None,
+    /// A solid.
+    Solid(u64),
+    /// What the triangles of a mesh enclose, if they do.
+    Mesh(u64),
+}
+
 /// The extent of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extent<'a> {
@@ -401,7 +412,7 @@ impl Shape {
     pub fn has_faces(&self) -> bool {
         match self.faces() {
             Faces::Flat | Faces::Curved => false,
-            Faces::Several | Faces::Triangles | Faces::Copies => true,
+            Faces::Several | Faces::Copies => true,
         }
     }
 
@@ -413,6 +424,56 @@ impl Shape {
     /// Returns true if the shape is flat.
     pub(crate) fn is_flat(&self) -> bool {
         self.faces() == Faces::Flat
+    }
+
+    /// Returns what a face bounds, of the faces that belong together.
+    pub(crate) fn body(&self, face: u64) -> Body {
+        match self {
+            Self::Plane(_) => Body::None,
+            Self::Solid(_) => Body::Solid(0),
+            Self::Mesh(_) => Body::Mesh(0),
+            Self::Placed(placed) => placed.shape().body(face),
+            Self::Instances(copies) => {
+                copies
+                    .part_of(face)
+                    .map_or(Body::None, |(_, shape, inner)| match shape.body(inner) {
+                        Body::None => Body::None,
+                        Body::Mesh(first) => Body::Mesh(face - inner + first),
+                        Body::Solid(first) => Body::Solid(face - inner + first),
+                    })
+            }
+            shape => of_solid!(shape, _solid => Body::Solid(0), else Body::None),
+        }
+    }
+
+    /// Returns true if a ray that leaves faces of a solid is inside of it just before or just after its
+    /// origin. A solid in copies is told by its first face.
+    pub(crate) fn is_inside(&self, ray: &Ray, leaving: Leaving, side: Side, first: u64) -> bool {
+        let holds = |span: Span| span.holds(0.0, side);
+        match self {
+            Self::Solid(solid) => solid.crossings(ray, leaving).is_inside(side),
+            Self::Placed(placed) => {
+                let inner = placed.transform().ray_back(ray);
+                placed.shape().is_inside(&inner, leaving, side, first)
+            }
+            Self::Instances(copies) => {
+                let part = copies.part_of(first);
+                let transform = copies.transform(copies.copy_of(first));
+                part.zip(transform)
+                    .is_some_and(|((_, shape, inner), transform)| {
+                        let leaving = leaving.part(first - inner, shape.face_count());
+                        shape.is_inside(&transform.ray_back(ray), leaving, side, inner)
+                    })
+            }
+            shape => of_solid!(
+                shape,
+                solid => match Spans::from(solid.span(ray, leaving)) {
+                    Spans::Convex(span) => span.map(Span::around_origin).is_some_and(holds),
+                    Spans::Several(spans) => spans.into_iter().flatten().any(holds),
+                },
+                else false
+            ),
+        }
     }
 
     /// Returns true if a face is all of a flat shape: as glass, a pane without thickness.

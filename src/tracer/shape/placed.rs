@@ -132,10 +132,10 @@ impl Placed {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
-        self.shape.each_face(&at.before(&self.transform), see);
+        self.shape.each_face_near(&at.before(&self.transform), see);
     }
 
-    /// The plane of a face of the shape before it is mapped: see [`Own`](super::face::Own).
+    /// The plane of a face of the shape before it is mapped.
     pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         self.shape.plane(face)
     }

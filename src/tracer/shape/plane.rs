@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         Membership,
         around::Around,
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving},
         span::Span,
         working::{Term, Working},
@@ -105,7 +105,7 @@ impl Plane {
     #[inline]
     pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let (above, up) = self.terms(ray);
-        let above = if leaving.is_in(self) { 0.0 } else { above };
+        let above = if !leaving.is_empty() { 0.0 } else { above };
         if up == 0.0 {
             return (above >= 0.0).then_some(Span::WHOLE);
         }
@@ -115,12 +115,6 @@ impl Plane {
             true => Span { enter, exit: end },
             false => Span { enter: end, exit },
         })
-    }
-
-    /// Returns true if the other plane is the same: `n₁ × n₂ = 0` and `(a₁ - a₂)·n₁ = 0`.
-    pub(crate) fn contains(&self, other: &Self) -> bool {
-        self.normal.cross(other.normal) == DVec3::ZERO
-            && (self.point - other.point).dot(self.normal) == 0.0
     }
 
     pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
@@ -134,7 +128,7 @@ impl Plane {
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
         let equation = FaceEquation::plane(at, self.point, self.normal);
-        see(at.face(0, &equation, |_| true));
+        see(at.face(0, &equation, FaceEdge::none));
     }
 
     /// Returns a depth in the half-space that the normal points away from: above 0 inside, 0 on the
@@ -159,9 +153,9 @@ pub(crate) trait Planar {
 
     #[inline]
     fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        match leaving.is_in(self.in_plane()) {
-            true => Crossings::default(),
-            false => self.t(ray).into(),
+        match leaving.is_empty() {
+            true => self.t(ray).into(),
+            false => Crossings::default(),
         }
     }
 

@@ -9,7 +9,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::{Around, farthest},
-        contact::{ContactPoint, FaceEquation, NearFace, lies_over},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::Leaving,
         plane::{Planar, Plane},
         triangle::Sheared,
@@ -80,8 +80,8 @@ impl Rectangle {
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
         let n = self.plane.normal();
         let equation = FaceEquation::plane(at, self.corner(), n);
-        let extends = |slack| lies_over(&self.corners, n, at.point, slack);
-        see(at.face(0, &equation, extends));
+        let edges = || FaceEdge::of_polygon(&self.corners, n, at.point);
+        see(at.face(0, &equation, edges));
     }
 
     const fn halves(&self) -> [[DVec3; 3]; 2] {

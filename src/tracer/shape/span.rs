@@ -28,6 +28,13 @@ pub(crate) struct Span {
     pub(crate) exit: Crossing,
 }
 
+/// The side of a point of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Before,
+    After,
+}
+
 impl Span {
     /// The whole line.
     pub(crate) const WHOLE: Self = Self::new([f64::NEG_INFINITY, f64::INFINITY], 0);
@@ -61,10 +68,27 @@ impl Span {
         (both.enter.t <= both.exit.t).then_some(both)
     }
 
+    /// Returns true if the line lies inside at a point, just before or just after it.
+    #[inline]
+    pub(crate) fn holds(&self, t: f64, side: Side) -> bool {
+        match side {
+            Side::Before => self.enter.t < t && t <= self.exit.t,
+            Side::After => self.enter.t <= t && t < self.exit.t,
+        }
+    }
+
+    /// Returns the span of a convex solid on whose surface the origin of the ray lies.
+    #[inline]
+    pub(crate) const fn around_origin(mut self) -> Self {
+        self.enter.t = self.enter.t.min(0.0);
+        self.exit.t = self.exit.t.max(0.0);
+        self
+    }
+
     /// Returns the ends. One at which a ray leaves a face is not met.
     #[inline]
     pub(crate) fn crossings(self, leaving: Leaving) -> Crossings {
-        let enter = leaving.face.is_none().then_some(self.enter);
+        let enter = leaving.is_empty().then_some(self.enter);
         Crossings([enter, Some(self.exit)])
     }
 

@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         Membership,
         around::Around,
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving, in_front},
         plane::Plane,
         span::Span,
@@ -142,9 +142,9 @@ impl Sphere {
 
     #[inline]
     pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let roots = match leaving.face {
-            Some(_) => return self.far_from_own(ray, f64::INFINITY).into(),
-            None => self.quadratic(ray).roots,
+        let roots = match leaving.is_empty() {
+            false => return self.far_from_own(ray, f64::INFINITY).into(),
+            true => self.quadratic(ray).roots,
         };
         roots.map_or_else(Crossings::default, |(near, far)| {
             Crossings([near, far].map(|t| Some(Crossing::from(t))))
@@ -155,9 +155,9 @@ impl Sphere {
     #[inline]
     pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let Quadratic { a, b, roots, .. } = self.quadratic(ray);
-        let ends = match leaving.face {
-            Some(_) => [0.0, -b / a],
-            None => roots?.into(),
+        let ends = match leaving.is_empty() {
+            false => [0.0, -b / a],
+            true => roots?.into(),
         };
         Some(Span::between(ends, 0))
     }
@@ -180,7 +180,7 @@ impl Sphere {
             more: 4.0 * f64::EPSILON * away.dot(away),
             ..FaceEquation::ball(at, self.center, self.radius)
         };
-        see(at.face(0, &equation, |_| true));
+        see(at.face(0, &equation, FaceEdge::none));
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

@@ -33,7 +33,7 @@ use crate::tracer::{
         Membership,
         around::Around,
         axis::outward,
-        contact::{ContactPoint, FaceEquation, NearFace},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving},
         plane::Plane,
         span::Span,
@@ -135,7 +135,7 @@ impl Torus {
             size: self.center.abs() + self.radius + self.tube_radius,
             more: 0.0,
         };
-        see(at.face(0, &equation, |_| true));
+        see(at.face(0, &equation, FaceEdge::none));
     }
 
     fn hull(&self) -> Around {
@@ -187,7 +187,7 @@ impl Torus {
         if line.p.dot(line.p) >= 4.0 {
             return found;
         }
-        let own = leaving.face.map(|_| -line.middle / line.step);
+        let own = (!leaving.is_empty()).then(|| -line.middle / line.step);
         if let Some(own) = own {
             line.squared += line.beyond(own)[0];
         }

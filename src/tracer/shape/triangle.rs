@@ -7,7 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         around::{Around, farthest},
-        contact::{ContactPoint, FaceEquation, NearFace, lies_over},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::Leaving,
         plane::{Planar, Plane},
         working::{Term, Working},
@@ -107,8 +107,9 @@ pub(crate) fn triangle_face(at: &ContactPoint, face: u64, corners: [DVec3; 3]) -
     let [a, b, c] = corners;
     let n = (b - a).cross(c - a);
     let equation = FaceEquation::plane(at, a, n);
-    let extends = |slack| lies_over(&corners, n, at.point, slack);
-    at.face(face, &equation, extends)
+    at.face(face, &equation, || {
+        FaceEdge::of_polygon(&corners, n, at.point)
+    })
 }
 
 impl Sheared {

@@ -303,17 +303,22 @@ impl Instances {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
-        for copy in 0..self.len() {
-            let Some(transform) = self.transform(copy) else {
-                continue;
+        let mut test = |copy: usize| {
+            let is_near = self.box_of(copy).is_none_or(|around| at.is_near(around));
+            let Some(transform) = self.transform(copy).filter(|_| is_near) else {
+                return;
             };
             let (at, first) = (at.before(&transform), copy as u64 * self.faces);
             for part in self.prototype.iter() {
-                part.shape.each_face(&at, &mut |found| {
+                part.shape.each_face_near(&at, &mut |found| {
                     let face = first + part.first + found.face;
                     see(NearFace { face, ..found });
                 });
             }
+        };
+        match self.index.get() {
+            Some(index) => index.each_near(at.around(), &mut test),
+            None => (0..self.len()).for_each(test),
         }
     }
 

@@ -2,12 +2,14 @@
 
 use std::fmt;
 
+use glam::DVec3;
+
 use crate::tracer::{
     ray::Ray,
     shape::{
         around::Around,
-        face::{Crossing, FaceId, Leaving, Own, in_front},
-        instances::{Face, Instances, PrototypeShape},
+        face::{Crossing, FaceId, Leaving, in_front},
+        instances::{Instances, PrototypeShape},
     },
     transform::Transform,
 };
@@ -20,14 +22,16 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
 
     /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
+
+    /// Calls `see` with each copy whose box meets another one, and maybe with others near it.
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize));
 }
 
 /// The traversal of copies by a ray.
 pub(crate) struct Passage<'a> {
     instances: &'a Instances,
     ray: &'a Ray,
-    /// The face that the ray leaves, if it is one of these.
-    own: Option<Face<'a>>,
+    leaving: Leaving<'a>,
 }
 
 /// A copy and the ray that is mapped back to the prototype.
@@ -36,16 +40,15 @@ pub(crate) struct Copied<'a> {
     copy: usize,
     transform: Transform,
     ray: Ray,
-    /// The face that the ray leaves, if it belongs to this copy.
-    own: Option<Own<'a>>,
+    leaving: Leaving<'a>,
 }
 
 impl<'a> Passage<'a> {
-    pub(super) fn new(instances: &'a Instances, ray: &'a Ray, leaving: Leaving) -> Self {
+    pub(super) const fn new(instances: &'a Instances, ray: &'a Ray, leaving: Leaving<'a>) -> Self {
         Self {
             instances,
             ray,
-            own: leaving.face.and_then(|face| instances.face(face)),
+            leaving,
         }
     }
 
@@ -65,16 +68,13 @@ impl<'a> Passage<'a> {
     pub(crate) fn copied(&'a self, copy: usize) -> Option<Copied<'a>> {
         let instances = self.instances;
         let transform = instances.transform(copy)?;
-        let same_place = |own: &&Face<'a>| {
-            own.copy == copy || instances.rows.get(own.copy) == instances.rows.get(copy)
-        };
-        let own = self.own.as_ref().filter(same_place);
+        let faces = instances.faces;
         Some(Copied {
             passage: self,
             copy,
             ray: transform.ray_back(self.ray),
             transform,
-            own: own.map(|own| Own::new(own.shape, own.face)),
+            leaving: self.leaving.part(copy as u64 * faces, faces),
         })
     }
 
@@ -134,17 +134,17 @@ impl Copied<'_> {
     #[inline]
     pub(crate) fn is_near(&self, t_max: f64) -> bool {
         let inner = self.passage.instances.inner.as_ref();
-        self.own.is_some() || inner.is_none_or(|around| around.may_meet(&self.ray, t_max))
+        !self.leaving.is_empty() || inner.is_none_or(|around| around.may_meet(&self.ray, t_max))
     }
 
-    /// Returns the face that the ray leaves, by the index of its shape.
-    pub(crate) fn own(&self) -> Option<FaceId> {
-        self.own.as_ref()?;
-        let own = self.passage.own.as_ref()?;
-        Some(FaceId {
-            geometry: own.part,
-            face: own.face,
-        })
+    /// Returns the faces that the ray leaves, by the index of their shape.
+    pub(crate) fn left(&self) -> Vec<FaceId> {
+        let faces = self.leaving.faces();
+        let found = faces.filter_map(|face| {
+            let (geometry, _, face) = self.passage.instances.part_of(face)?;
+            Some(FaceId { geometry, face })
+        });
+        found.collect()
     }
 
     /// Returns the first crossing with `0 < t < t_max`.
@@ -152,7 +152,7 @@ impl Copied<'_> {
         let mut nearest = None;
         for (index, part) in self.passage.instances.prototype.iter().enumerate() {
             let t_max = nearest.map_or(t_max, |(_, crossing): (usize, Crossing)| crossing.t);
-            let met = part.shape.meet_from(self.own.as_ref(), &self.ray, t_max);
+            let met = part.shape.meet(&self.ray, self.leaving_of(part), t_max);
             nearest = met.map(|met| (index, met)).or(nearest);
         }
         self.first_that_counts(nearest, t_max)
@@ -182,8 +182,7 @@ impl Copied<'_> {
     /// Calls `see` with each crossing with `0 < t < t_max`, in the order of the shapes.
     pub(crate) fn each(&self, t_max: f64, see: &mut dyn FnMut(Crossing)) {
         for part in self.passage.instances.prototype.iter() {
-            let own = self.own.as_ref();
-            let leaving = own.map_or(Leaving::NOTHING, |own| own.on(&part.shape));
+            let leaving = self.leaving_of(part);
             part.shape
                 .each_crossing(&self.ray, leaving, t_max, |crossing| {
                     if self.counts(part, &crossing) && in_front(crossing.t, t_max).is_some() {
@@ -191,6 +190,12 @@ impl Copied<'_> {
                     }
                 });
         }
+    }
+
+    /// Returns the faces of a shape that the ray leaves.
+    #[inline]
+    fn leaving_of(&self, part: &PrototypeShape) -> Leaving<'_> {
+        self.leaving.part(part.first, part.shape.face_count())
     }
 
     /// Returns true if a crossing lies around the shape that is mapped, as that of a

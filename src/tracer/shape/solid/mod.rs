@@ -26,7 +26,7 @@ use crate::tracer::{
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
         solid::part::SolidPart,
-        span::Span,
+        span::{Side, Span},
         sphere::Sphere,
         working::Working,
     },
@@ -74,13 +74,6 @@ struct Combination {
     smallest: Option<usize>,
 }
 
-/// The side of a `t` on a ray's line.
-#[derive(Clone, Copy)]
-enum Side {
-    Before,
-    After,
-}
-
 impl Solid {
     /// The number of faces of each part.
     pub const FACES_OF_PART: u64 = 8;
@@ -111,7 +104,7 @@ impl Solid {
                 }
                 _ => {
                     let kind = shape.kind();
-                    let part = SolidPart::new(shape, first);
+                    let part = SolidPart::new(shape);
                     let part = part.ok_or(GeometryError::NotSolid { kind })?;
                     arounds.push(part.around);
                     nodes.push(Node::Part(first));
@@ -125,7 +118,6 @@ impl Solid {
         if nodes.is_empty() {
             return Err(GeometryError::NoOperand);
         }
-        part::find_twins(&mut parts);
         let (around, smallest) = match operation {
             Operation::Union => (Around::union(&arounds), None),
             Operation::Intersection => Around::intersection(&arounds),
@@ -179,12 +171,11 @@ impl Solid {
     pub(crate) const FACES: Faces = Faces::Several;
 
     pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Crossings<'a> {
-        let own = leaving.face.map(|face| self.part_of(face));
-        let own = own.and_then(|(part, face)| Some((self.parts.get(part)?.twin, face)));
         let mut more = Vec::new();
         let spans = self.parts.iter().enumerate().map(|(number, part)| {
-            let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
-            let first = part.span(ray, leaving.of_face(face), |span| more.push((number, span)));
+            let first_face = number as u64 * Self::FACES_OF_PART;
+            let leaving = leaving.part(first_face, Self::FACES_OF_PART);
+            let first = part.span(ray, leaving, |span| more.push((number, span)));
             first.unwrap_or(NOWHERE)
         });
         let spans = spans.collect();
@@ -201,18 +192,12 @@ impl Solid {
         (part as usize, face % Self::FACES_OF_PART)
     }
 
-    /// Returns the part that a face belongs to.
-    pub(crate) fn part(&self, face: u64) -> Option<&Shape> {
-        let (part, _) = self.part_of(face);
-        Some(&self.parts.get(part)?.shape)
-    }
-
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
         for (part, first) in self
             .parts()
             .zip((0..).step_by(Self::FACES_OF_PART as usize))
         {
-            part.each_face(at, &mut |found| {
+            part.each_face_near(at, &mut |found| {
                 let face = first + found.face;
                 see(NearFace { face, ..found });
             });
@@ -359,7 +344,7 @@ impl Node {
     /// Returns true if two are equal, whatever the indices of their parts are.
     fn equals(&self, other: &Self, parts: &[SolidPart]) -> bool {
         match (self, other) {
-            (Self::Part(one), Self::Part(other)) => parts[*one].twin == parts[*other].twin,
+            (Self::Part(one), Self::Part(other)) => parts[*one].shape == parts[*other].shape,
             (Self::Of(one), Self::Of(other)) => {
                 let mut pairs = one.operands.iter().zip(&other.operands);
                 one.operation == other.operation
@@ -542,6 +527,12 @@ pub(crate) struct Crossings<'a> {
 }
 
 impl Crossings<'_> {
+    /// Returns true if the ray is inside just before or just after its origin.
+    pub(crate) fn is_inside(&self, side: Side) -> bool {
+        let root = &self.solid.root;
+        root.is_in(&|part| self.inside.holds(part, 0.0, side))
+    }
+
     /// Returns the first crossing with `0 < t < t_max`.
     #[inline]
     pub(crate) fn first(&self, t_max: f64) -> Option<Crossing> {
@@ -617,10 +608,7 @@ impl PartSpans {
     /// Returns true if the points right before or after a `t` are within a part.
     #[inline]
     fn holds(&self, part: usize, t: f64, side: Side) -> bool {
-        let holds = |span: &Span| match side {
-            Side::Before => span.enter.t < t && t <= span.exit.t,
-            Side::After => span.enter.t <= t && t < span.exit.t,
-        };
+        let holds = |span: &Span| span.holds(t, side);
         holds(&self.spans[part]) || (!self.more.is_empty() && self.of(part).any(holds))
     }
 }

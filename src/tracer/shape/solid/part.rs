@@ -1,7 +1,5 @@
 //! The parts of a solid: simple solids.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
 use crate::tracer::{
@@ -21,15 +19,13 @@ pub(super) struct SolidPart {
     pub(super) shape: Shape,
     /// True if it is cut away, so that its normals point the other way.
     pub(super) is_cut: bool,
-    /// The first part that is equal to this one.
-    pub(super) twin: usize,
     /// The box and the ball around it, if it is bounded.
     pub(super) around: Option<Around>,
 }
 
 impl SolidPart {
-    /// Creates the part with an index; `None` if the shape is not a simple solid.
-    pub(super) fn new(shape: Shape, index: usize) -> Option<Self> {
+    /// Creates the part; `None` if the shape is not a simple solid.
+    pub(super) fn new(shape: Shape) -> Option<Self> {
         if !of_solid!(shape.unplaced(), _solid => true, else false) {
             return None;
         }
@@ -37,7 +33,6 @@ impl SolidPart {
             around: Around::shape(&shape),
             shape,
             is_cut: false,
-            twin: index,
         })
     }
 
@@ -60,8 +55,8 @@ impl SolidPart {
             }
         };
         let mut span = span?;
-        if leaving.face.is_some() {
-            span.enter.t = span.enter.t.min(0.0);
+        if !leaving.is_empty() {
+            span = span.around_origin();
         }
         self.holds(ray, &span).then_some(span)
     }
@@ -78,10 +73,8 @@ impl SolidPart {
     #[inline(never)]
     fn other_spans(&self, ray: &Ray, leaving: Leaving) -> Spans {
         let (shape, transform) = (self.shape.unplaced(), self.shape.transform());
-        let before = transform.map(|it| (it.ray_back(ray), leaving.before(it)));
-        let (ray, leaving) = before
-            .as_ref()
-            .map_or((ray, leaving), |(ray, left)| (ray, *left));
+        let before = transform.map(|transform| transform.ray_back(ray));
+        let ray = before.as_ref().unwrap_or(ray);
         of_solid!(shape, solid => solid.span(ray, leaving).into(), else None.into())
     }
 
@@ -121,22 +114,5 @@ impl SolidPart {
         let point = transform.map_or(point, |transform| transform.point_back(point));
         let shape = self.shape.unplaced();
         of_solid!(shape, solid => solid.depth(point), else f64::NEG_INFINITY)
-    }
-}
-
-/// Finds the first part that is equal to each.
-pub(super) fn find_twins(parts: &mut [SolidPart]) {
-    let mut firsts: HashMap<Vec<u64>, Vec<usize>> = HashMap::new();
-    for index in 0..parts.len() {
-        let shape = &parts[index].shape;
-        let mut key = Vec::new();
-        // The two zeros are equal.
-        shape.each_number(|number| key.push((number + 0.0).to_bits()));
-        let firsts = firsts.entry(key).or_default();
-        let twin = firsts.iter().find(|first| parts[**first].shape == *shape);
-        parts[index].twin = twin.copied().unwrap_or_else(|| {
-            firsts.push(index);
-            index
-        });
     }
 }

@@ -1,0 +1,540 @@
+//! Contact: the faces that a point lies on, and what a ray crosses where it begins.
+//!
+//! A point where a ray has arrived lies on every face that is nearer to it than the rounding of its own
+//! numbers (see [`shape::contact`](crate::tracer::shape)). A ray that leaves it leaves them all: for that
+//! ray, the equation of each of these faces is 0 at its origin. It begins on the side from which the point
+//! was seen, or on the other side if it goes through glass there. So it crosses at its origin, before all
+//! else,
+//!
+//! - the surface of a solid if the ray begins inside of it and goes on outside, or the other way round;
+//! - a face without thickness if the side on which the ray begins is not the one on which it goes on,
+//!   unless it is the face that was hit or one that is parallel to it. Beside an edge of a face, the path of
+//!   both rays must pass through the face.
+//!
+//! Glass that meets at a point is one interface: between the first solid of glass in the list that is left
+//! there, else air, and the first that is entered, else air. Where none is, the first pane counts.
+
+use std::{rc::Rc, slice};
+
+use glam::DVec3;
+
+use crate::tracer::{
+    hit::Hit,
+    material::glass::{Fresnel, Glass},
+    radiance::Radiance,
+    ray::Ray,
+    shape::{
+        Body,
+        contact::{ContactPoint, NearFace},
+        face::{Crossing, FaceId, Leaving},
+        span::Side,
+    },
+    vector::unit,
+    world::World,
+};
+
+/// The sine of the largest angle at which two faces count as parallel: 2⁻²⁰.
+const PARALLEL: f64 = 1.0 / (1 << 20) as f64;
+
+/// The part of the numbers of a crossing by which two crossings may lie apart and be one: 64 roundings.
+const TOGETHER: f64 = 64.0 * f64::EPSILON;
+
+/// Several faces that the point of a hit lies on.
+#[derive(Debug)]
+pub(crate) struct Contact {
+    /// In ascending order.
+    ids: Vec<FaceId>,
+    /// In the same order.
+    faces: Vec<NearFace>,
+    /// The arriving ray.
+    ray: Ray,
+    t: f64,
+}
+
+/// Where a ray begins: on the faces that its origin lies on, and on one side of each.
+#[derive(Clone, Debug)]
+pub(crate) struct Start {
+    /// The face that was hit.
+    own: FaceId,
+    /// All of the faces, if there are more.
+    contact: Option<Rc<Contact>>,
+    /// The ray begins just before or just after its origin on a line along this direction.
+    along: DVec3,
+    side: Side,
+}
+
+/// What a ray crosses at one point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Crossed {
+    Nothing,
+    /// A face that is not glass.
+    Opaque(FaceId),
+    Glass(Interface),
+}
+
+/// A surface of glass: between glass and air, between two glasses, or a pane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Interface {
+    /// The face whose normal counts.
+    pub(crate) face: FaceId,
+    /// The glass before it; `None` for air.
+    before: Option<Glass>,
+    /// The glass behind it. That of a pane lies behind it and ends there.
+    behind: Option<Glass>,
+    pub(crate) is_pane: bool,
+}
+
+/// Something in the way of light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passed {
+    pub(crate) face: FaceId,
+    /// The ray parameter.
+    pub(crate) t: f64,
+    /// The part of the light that comes through.
+    pub(crate) factor: Radiance,
+}
+
+/// The glass that a ray crosses at one point, in the order of the list.
+#[derive(Default)]
+struct Crossings {
+    left: Option<(FaceId, Glass)>,
+    entered: Option<(FaceId, Glass)>,
+    pane: Option<(FaceId, Glass)>,
+    /// True if the face that was hit is one of those that are left or entered.
+    changes_own: Option<FaceId>,
+}
+
+impl World {
+    /// Returns the faces that the point of a crossing lies on, which belong to some of the geometries;
+    /// `None` if it lies on one alone.
+    pub(crate) fn contact(
+        &self,
+        ray: &Ray,
+        (index, crossing): (usize, Crossing),
+        among: impl Iterator<Item = usize> + Clone,
+    ) -> Option<Contact> {
+        let own = FaceId {
+            geometry: index,
+            face: crossing.face,
+        };
+        let faces = |point: &ContactPoint| {
+            let mut found = Vec::new();
+            for geometry in among.clone() {
+                let shape = self.geometries()[geometry].shape();
+                shape.each_face_near(point, &mut |near| {
+                    let face = near.face;
+                    let id = FaceId { geometry, face };
+                    if near.is_touched || id == own {
+                        found.push((id, near));
+                    }
+                });
+            }
+            found
+        };
+        // Nearly always, the point is far from all others.
+        let point = ContactPoint::vague(ray, crossing.t);
+        let near = faces(&point);
+        let is_own = |(id, _): &(FaceId, NearFace)| *id == own;
+        if near.iter().all(is_own) {
+            return None;
+        }
+        let distance = near.iter().find(|it| is_own(it));
+        let distance = distance.map_or(0.0, |(_, near)| near.distance);
+        let mut all = faces(&point.at_distance(distance));
+        all.sort_unstable_by_key(|(id, _)| *id);
+        let (ids, faces): (Vec<_>, _) = all.into_iter().unzip();
+        (ids.len() > 1).then_some(Contact {
+            ids,
+            faces,
+            ray: *ray,
+            t: crossing.t,
+        })
+    }
+
+    /// Returns the hit of a ray at a `t` on a face.
+    pub(crate) fn hit_on(&self, ray: &Ray, t: f64, id: FaceId) -> Hit<'_> {
+        let FaceId { geometry, face } = id;
+        self.geometries()[geometry].hit_at(ray, Crossing { t, face })
+    }
+
+    /// Returns what is in the way of light at the origin of a ray.
+    pub(crate) fn at_origin(&self, ray: &Ray, start: &Start) -> Option<Passed> {
+        let hit = |face| self.hit_on(ray, 0.0, face);
+        let (face, factor) = match start.crossed(self, ray.direction()) {
+            Crossed::Nothing => return None,
+            Crossed::Opaque(face) => (face, Radiance::BLACK),
+            Crossed::Glass(interface) => {
+                (interface.face, interface.passes(hit(interface.face), ray))
+            }
+        };
+        let t = 0.0;
+        Some(Passed { face, t, factor })
+    }
+
+    /// Calls `see` with what is in the way of light at some crossings of a ray, from near to far. Those that
+    /// only rounding errors may have parted are one.
+    pub(crate) fn each_passed(
+        &self,
+        ray: &Ray,
+        mut all: Vec<(FaceId, f64)>,
+        mut see: impl FnMut(Passed),
+    ) {
+        all.sort_by(|(one, t), (other, last)| t.total_cmp(last).then(one.cmp(other)));
+        let l = unit(ray.direction());
+        let length = ray.direction().length();
+        let cosine = |(id, t): (FaceId, f64)| l.dot(self.hit_on(ray, t, id).normal).abs();
+        let are_one = |one: &(FaceId, f64), other: &(FaceId, f64)| {
+            let far = (ray.origin().abs()).max((other.1 * ray.direction()).abs());
+            let apart = (other.1 - one.1) * length;
+            apart * cosine(*one).min(cosine(*other)) <= TOGETHER * far.max_element()
+        };
+        for group in all.chunk_by(are_one) {
+            let Some(&(face, t)) = group.first() else {
+                continue;
+            };
+            let factor = match self.crossed_together(ray, group) {
+                Crossed::Nothing => Radiance::WHITE,
+                Crossed::Opaque(_) => Radiance::BLACK,
+                Crossed::Glass(interface) => {
+                    interface.passes(self.hit_on(ray, t, interface.face), ray)
+                }
+            };
+            see(Passed { face, t, factor });
+        }
+    }
+
+    /// Returns what a ray crosses at crossings that are one.
+    fn crossed_together(&self, ray: &Ray, group: &[(FaceId, f64)]) -> Crossed {
+        let mut all: Vec<_> = group.to_vec();
+        all.sort_by_key(|(id, _)| *id);
+        let mut found = Crossings::default();
+        let body_of = |id: &FaceId| {
+            (
+                id.geometry,
+                self.geometries()[id.geometry].shape().body(id.face),
+            )
+        };
+        for body in all.chunk_by(|(one, _), (other, _)| {
+            body_of(one) == body_of(other) && body_of(one).1 != Body::None
+        }) {
+            // How often it is entered more than left.
+            let mut depth = 0;
+            let mut first = None;
+            for (id, t) in body {
+                let hit = self.hit_on(ray, *t, *id);
+                let Some(glass) = hit.material().glass().copied() else {
+                    return Crossed::Opaque(*id);
+                };
+                depth += if hit.front_face { 1 } else { -1 };
+                first = first.or(Some((*id, glass)));
+            }
+            let Some(of_glass) = first else {
+                continue;
+            };
+            let is_thin = body.iter().any(|(id, _)| body_of(id).1 == Body::None);
+            found.add(of_glass, if is_thin { None } else { Some(depth) });
+        }
+        found.crossed(None)
+    }
+}
+
+impl Crossings {
+    /// Adds glass that is crossed: a pane, or a solid that is entered (above 0), left (below 0), or neither.
+    fn add(&mut self, glass: (FaceId, Glass), depth: Option<i32>) {
+        let place = match depth {
+            None => &mut self.pane,
+            Some(1..) => &mut self.entered,
+            Some(..0) => &mut self.left,
+            Some(0) => return,
+        };
+        place.get_or_insert(glass);
+    }
+
+    /// Returns what is crossed. The normal is that of the face that was hit, if it is crossed.
+    fn crossed(&self, own: Option<FaceId>) -> Crossed {
+        let solids = [self.left, self.entered].into_iter().flatten();
+        let first = solids.map(|(face, _)| face).min();
+        let interface = match (first, self.pane) {
+            (Some(first), _) => Interface {
+                face: own.or(self.changes_own).unwrap_or(first),
+                before: self.left.map(|(_, glass)| glass),
+                behind: self.entered.map(|(_, glass)| glass),
+                is_pane: false,
+            },
+            (None, Some((face, glass))) => Interface::pane(face, glass),
+            (None, None) => return Crossed::Nothing,
+        };
+        Crossed::Glass(interface)
+    }
+}
+
+impl Interface {
+    /// Creates a pane, whose other side counts for nothing.
+    const fn pane(face: FaceId, glass: Glass) -> Self {
+        Self {
+            face,
+            before: None,
+            behind: Some(glass),
+            is_pane: true,
+        }
+    }
+
+    /// Creates the surface of a single solid of glass, or a pane.
+    pub(crate) const fn alone(face: FaceId, glass: Glass, is_entered: bool, is_pane: bool) -> Self {
+        match (is_pane, is_entered) {
+            (true, _) => Self::pane(face, glass),
+            (false, true) => Self {
+                face,
+                before: None,
+                behind: Some(glass),
+                is_pane,
+            },
+            (false, false) => Self {
+                face,
+                before: Some(glass),
+                behind: None,
+                is_pane,
+            },
+        }
+    }
+
+    /// Returns the indices of refraction before and behind it.
+    pub(crate) fn media(&self) -> [f64; 2] {
+        [self.before, self.behind].map(|glass| glass.map_or(1.0, |glass| glass.ior()))
+    }
+
+    /// Returns true if light goes on as if there were nothing, but for the color.
+    pub(crate) fn is_joint(&self) -> bool {
+        let [before, behind] = self.media();
+        self.before.is_some() && before == behind
+    }
+
+    /// The factor of light that comes through.
+    pub(crate) fn color(&self) -> Radiance {
+        let mut all = [self.before, self.behind].into_iter().flatten();
+        let first = all.next().map(|glass| glass.color().to_linear());
+        let first = first.unwrap_or(Radiance::WHITE);
+        all.fold(first, |color, glass| color * glass.color().to_linear())
+    }
+
+    /// Returns what light does there that arrives at an angle with this cosine.
+    pub(crate) fn fresnel(&self, cosine: f64) -> Fresnel {
+        match (self.before, self.behind) {
+            (Some(before), None) => before.fresnel(cosine, false),
+            (None, Some(behind)) => behind.fresnel(cosine, true),
+            _ => {
+                let [before, behind] = self.media();
+                Fresnel::new(cosine, behind / before)
+            }
+        }
+    }
+
+    /// Returns the part of the light on a shadow ray that comes through: as if it came from outside, or
+    /// out of the thinner of two glasses.
+    fn passes(&self, hit: Hit, ray: &Ray) -> Radiance {
+        let cosine = unit(ray.direction()).dot(hit.normal).abs();
+        // A direction so short that its square is 0 has no angle.
+        let cosine = if cosine.is_nan() { 1.0 } else { cosine };
+        let fresnel = match (self.before, self.behind) {
+            (Some(glass), None) | (None, Some(glass)) => glass.fresnel(cosine, true),
+            _ => {
+                let [one, other] = self.media();
+                Fresnel::new(cosine, one.max(other) / one.min(other))
+            }
+        };
+        let reflected = if self.is_joint() {
+            0.0
+        } else {
+            fresnel.reflected
+        };
+        self.color() * (1.0 - reflected)
+    }
+}
+
+impl Start {
+    /// Creates the start of rays that a surface sends back, or to lights, where a ray has arrived along a
+    /// direction.
+    pub(crate) fn at_hit(own: FaceId, contact: Option<Rc<Contact>>, along: DVec3) -> Self {
+        Self {
+            own,
+            contact,
+            along,
+            side: Side::Before,
+        }
+    }
+
+    /// Returns the start of rays that go through the surface, where one has arrived along a direction.
+    pub(crate) fn through(&self, along: DVec3) -> Self {
+        Self {
+            along,
+            side: Side::After,
+            ..self.clone()
+        }
+    }
+
+    /// Returns the same for rays from another of the faces.
+    pub(crate) fn on(&self, own: FaceId) -> Self {
+        Self {
+            own,
+            ..self.clone()
+        }
+    }
+
+    /// The face that was hit.
+    pub(crate) const fn own(&self) -> FaceId {
+        self.own
+    }
+
+    /// All faces that the rays leave, in ascending order.
+    pub(crate) fn left(&self) -> &[FaceId] {
+        match &self.contact {
+            Some(contact) => &contact.ids,
+            None => slice::from_ref(&self.own),
+        }
+    }
+
+    /// Returns what is seen at a point of glass that lies on more than one face: an opaque face, as paint on
+    /// the glass, or the glass that changes along the arriving ray; `None` if the face is alone.
+    pub(crate) fn seen(&self, world: &World) -> Option<Crossed> {
+        let contact = self.contact.as_ref()?;
+        Some(contact.crossed(world, self, self.along, true))
+    }
+
+    /// Returns what a ray that begins here crosses at its origin.
+    pub(crate) fn crossed(&self, world: &World, direction: DVec3) -> Crossed {
+        match &self.contact {
+            Some(contact) => contact.crossed(world, self, direction, false),
+            None => Crossed::Nothing,
+        }
+    }
+}
+
+impl Contact {
+    fn crossed(&self, world: &World, start: &Start, l: DVec3, is_seen: bool) -> Crossed {
+        let mut found = Crossings::default();
+        let mut opaque = None;
+        let body_of = |id: &FaceId| {
+            let shape = world.geometries()[id.geometry].shape();
+            (id.geometry, shape.body(id.face))
+        };
+        let mut first = 0;
+        for ids in self
+            .ids
+            .chunk_by(|one, other| body_of(one) == body_of(other) && body_of(one).1 != Body::None)
+        {
+            let faces = first..first + ids.len();
+            first += ids.len();
+            let Some(id) = ids.first() else {
+                continue;
+            };
+            let is_crossed = |place: &usize| is_seen || self.crosses(*place, start, l);
+            let body = body_of(id).1;
+            let (place, depth) = match body {
+                Body::Solid(first) => match self.change(world, start, l, (id.geometry, first)) {
+                    0 => continue,
+                    depth => (
+                        self.place_of(world, faces, start, (l, depth, is_seen)),
+                        Some(depth),
+                    ),
+                },
+                Body::Mesh(_) => {
+                    let mut crossed = faces.filter(is_crossed);
+                    let along = |place: usize| self.faces[place].normal.dot(l);
+                    let all: Vec<usize> = crossed.by_ref().collect();
+                    let Some(place) = all.first().copied() else {
+                        continue;
+                    };
+                    let own = all
+                        .iter()
+                        .copied()
+                        .find(|place| self.ids[*place] == start.own);
+                    let place = own.unwrap_or(place);
+                    let agree = all
+                        .iter()
+                        .all(|other| (along(*other) < 0.0) == (along(place) < 0.0));
+                    let depth = if along(place) < 0.0 { 1 } else { -1 };
+                    (place, Some(if agree { depth } else { 0 }))
+                }
+                Body::None => match faces.clone().find(is_crossed) {
+                    Some(place) => (place, None),
+                    None => continue,
+                },
+            };
+            let id = self.ids[place];
+            match self.hit(world, place).material().glass().copied() {
+                Some(glass) => {
+                    if id == start.own && depth.is_some_and(|depth| depth != 0) {
+                        found.changes_own = Some(id);
+                    }
+                    found.add((id, glass), depth);
+                }
+                None => {
+                    opaque.get_or_insert(id);
+                }
+            }
+        }
+        match opaque {
+            Some(id) => Crossed::Opaque(id),
+            None => found.crossed(None),
+        }
+    }
+
+    /// Returns 1 if the ray goes into a solid, -1 if it comes out, and 0 if neither.
+    fn change(
+        &self,
+        world: &World,
+        start: &Start,
+        l: DVec3,
+        (geometry, first): (usize, u64),
+    ) -> i32 {
+        let shape = world.geometries()[geometry].shape();
+        let leaving = Leaving::of(&self.ids, geometry);
+        let point = self.ray.at(self.t);
+        let is_inside = |direction, side| {
+            let ray = Ray::new(point, direction);
+            i32::from(shape.is_inside(&ray, leaving, side, first))
+        };
+        is_inside(l, Side::After) - is_inside(start.along, start.side)
+    }
+
+    /// Returns the face at which a solid is crossed: of several, the first that is turned to where the ray
+    /// comes from.
+    fn place_of(
+        &self,
+        world: &World,
+        faces: std::ops::Range<usize>,
+        start: &Start,
+        (l, depth, is_seen): (DVec3, i32, bool),
+    ) -> usize {
+        let own = faces.clone().find(|place| self.ids[*place] == start.own);
+        let turned = faces.clone().find(|place| {
+            let along = self.hit(world, *place).normal.dot(l);
+            if depth > 0 { along < 0.0 } else { along > 0.0 }
+        });
+        own.filter(|_| is_seen).or(turned).unwrap_or(faces.start)
+    }
+
+    /// Returns true if a ray crosses a face without thickness at its origin.
+    fn crosses(&self, place: usize, start: &Start, l: DVec3) -> bool {
+        let face = &self.faces[place];
+        let own = self
+            .ids
+            .binary_search(&start.own)
+            .map(|own| self.faces[own].normal);
+        let is_own = self.ids[place] == start.own;
+        let is_parallel = own.is_ok_and(|own| own.cross(face.normal).length() <= PARALLEL);
+        let before = match start.side {
+            Side::Before => start.along,
+            Side::After => -start.along,
+        };
+        let (down, on) = (before.dot(face.normal), l.dot(face.normal));
+        let within = down.abs() * l - on.abs() * before;
+        let mut edges = face.edges.iter().flatten();
+        !is_own && !is_parallel && down * on > 0.0 && edges.all(|inward| inward.dot(within) > 0.0)
+    }
+
+    /// Returns a face as the arriving ray meets it.
+    fn hit<'w>(&self, world: &'w World, place: usize) -> Hit<'w> {
+        world.hit_on(&self.ray, self.t, self.ids[place])
+    }
+}
