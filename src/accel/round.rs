@@ -242,7 +242,7 @@ mod tests {
         tracer::{
             random::{Rng, cases},
             ray::{BUNDLE, Bundle},
-            shape::{Shape, any::any, disc::Disc, face::Own},
+            shape::{Shape, any::any, face::FaceId},
         },
     };
 
@@ -277,13 +277,6 @@ mod tests {
             let shape = round(&mut rng);
             let (axis, points) = special(&shape).unwrap();
             let size = (points[0] - points[5]).length().max(1e-3);
-            let end = points[rng.below(2) * 3];
-            let others = [
-                shape.clone(),
-                Disc::new(end, axis, size).unwrap().into(),
-                Disc::new(points[1], axis, size).unwrap().into(),
-                round(&mut rng),
-            ];
             let eye = points[0] + rng.vector() * size * rng.magnitude(-1.0, 3.0);
             let (mut lines, mut t_max) = ([[[0.0; BUNDLE]; 3]; 2], [0.0; BUNDLE]);
             let mut owns = [None; BUNDLE];
@@ -304,13 +297,13 @@ mod tests {
                 }
                 t_max[lane] = rng.one(&[f64::INFINITY, f64::INFINITY, 1.0, 0.0]);
                 owns[lane] = match rng.below(3) {
-                    0 => Some(Own::new(&others[rng.below(4)], rng.below(3) as u64)),
+                    0 => Some(FaceId::of_shape(rng.below(3) as u64)),
                     _ => None,
                 };
             }
             let bundle = Bundle::new(lines[0], lines[1], t_max);
-            let leaving = owns.each_ref().map(|own: &Option<Own>| match own {
-                Some(own) => own.on(&shape),
+            let leaving = owns.each_ref().map(|own: &Option<FaceId>| match own {
+                Some(own) => super::Leaving::only(own),
                 None => super::Leaving::NOTHING,
             });
             let expected = shape.first_of_each(&bundle, &leaving);

@@ -1,6 +1,6 @@
 //! Comparison of the tree with the plain loop, on random worlds and all kinds of awkward rays.
 
-use std::sync::Arc;
+use std::{rc::Rc, sync::Arc};
 
 use glam::DVec3;
 
@@ -13,6 +13,7 @@ use crate::{
     simd::isa::Isa,
     tracer::{
         color::Color,
+        contact::Start,
         geometry::Geometry,
         hit::Hit,
         material::{Glass, Material},
@@ -241,26 +242,32 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
         }
         for _ in 0..RAYS {
             let mut ray = ray(&mut rng, &world);
+            let arriving = ray.direction();
             let geometry = rng.below(world.geometries().len());
             let mut own = FaceId { geometry, face: 0 };
+            let mut contact = None;
             // Mostly from a surface, inwards and outwards.
             if let Some((index, hit)) = world.hit(&ray).filter(|_| rng.below(4) > 0) {
                 (own.geometry, own.face) = (index, hit.face);
+                let (t, face) = (hit.t, hit.face);
+                let among = 0..world.geometries().len();
+                contact = world.contact(&ray, (index, Crossing { t, face }), among);
                 let length = rng.magnitude(-2.0, 2.0);
                 ray = Ray::new(hit.point, rng.vector() * length);
             }
             let t_max = rng.one(&[f64::INFINITY, 1.0, 1.0 - 2e-10]);
-            let nearest = world.nearest(&ray, f64::INFINITY, Some(own));
+            let start = Start::at_hit(own, contact.map(Rc::new), arriving);
+            let nearest = world.nearest(&ray, f64::INFINITY, start.left());
             let bits_of = |(index, Crossing { t, face })| (index, face, t.to_bits());
             let nearest = nearest.map(bits_of);
-            let through = world.transmission(&ray, t_max, own);
+            let through = world.transmission(&ray, t_max, &start);
             hits += usize::from(nearest.is_some());
             tinted += usize::from(![Radiance::BLACK, Radiance::WHITE].contains(&through));
             for tree in &trees {
                 let place = format!("case {case}, {}: {ray:?} from {own:?}", tree.isa.name());
-                let found = tree.nearest_from(&indexed, &ray, Some(own));
+                let found = tree.nearest_before(&indexed, &ray, f64::INFINITY, start.left());
                 assert_eq!(found.map(bits_of), nearest, "{place} in {world:?}");
-                let found = tree.transmission(&indexed, &ray, t_max, own);
+                let found = tree.transmission(&indexed, &ray, t_max, &start);
                 let bits = |light: Radiance| light.channels.map(f64::to_bits);
                 assert_eq!(bits(found), bits(through), "{place}, {t_max} in {world:?}");
             }
@@ -350,6 +357,7 @@ fn a_cancelled_hierarchy_has_the_hits_of_the_loop() {
         geometry: 0,
         face: 0,
     };
-    let found = [&whole, &none].map(|tree| tree.nearest_from(&world, &ray, Some(own)));
+    let found =
+        [&whole, &none].map(|tree| tree.nearest_before(&world, &ray, f64::INFINITY, &[own]));
     assert!(found[0].is_some() && found[0] == found[1]);
 }

@@ -15,9 +15,8 @@ use crate::{
         random::{Rng, cases},
         ray::{BUNDLE, Bundle, Ray},
         shape::{
-            Shape,
             any::{any_mesh, torus},
-            face::{Crossing, Leaving, Own},
+            face::{Crossing, FaceId, Leaving},
             mesh::{Index, Mesh, Passage},
             triangle::Triangle,
         },
@@ -97,15 +96,13 @@ fn the_index_agrees_with_the_loop() {
         indexed += usize::from(!triangles.is_empty());
         let mut patches = triangles.iter().flat_map(|it| &*it.patches);
         spilled += usize::from(patches.any(|patch| patch.has_more()));
-        let shape =
-            Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
         for _ in 0..RAYS {
             let ray = ray(&mut rng, &plain);
             let face = rng.below(plain.triangles().len()) as u64;
-            let own = Own::new(&shape, face);
+            let own = FaceId::of_shape(face);
             let leaving = match rng.below(2) {
                 0 => Leaving::NOTHING,
-                _ => own.on(&shape),
+                _ => Leaving::only(&own),
             };
             let passage = plain.crossings(&ray, leaving);
             let expected = passage.first_of_all(f64::INFINITY);
@@ -176,8 +173,6 @@ fn bundles_meet_what_their_rays_do() {
     for case in 0..cases(CASES) {
         let plain = mesh(&mut rng);
         let pool = Pool::new(Some(1));
-        let shape =
-            Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
         for isa in Isa::all() {
             let Some(triangles) = Triangles::new(&plain, Builder::new(&pool, isa)) else {
                 continue;
@@ -186,11 +181,11 @@ fn bundles_meet_what_their_rays_do() {
                 let bundle = bundle(&mut rng, &plain);
                 let own = [(); BUNDLE].map(|()| {
                     let face = rng.below(plain.triangles().len()) as u64;
-                    Own::new(&shape, face)
+                    FaceId::of_shape(face)
                 });
                 let leaves = rng.below(2) == 0;
                 let leaving = own.each_ref().map(|own| match leaves {
-                    true => own.on(&shape),
+                    true => Leaving::only(own),
                     false => Leaving::NOTHING,
                 });
                 let expected = bundle.each(|lane, ray, t_max| {

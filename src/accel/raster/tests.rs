@@ -69,7 +69,7 @@ fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
     let seen = pixels.map(|(column, row)| {
         let y = f64::from(height - 1 - row);
         let ray = camera.ray_for(width, height, column.into(), y);
-        let nearest = world.nearest(&ray, f64::INFINITY, None);
+        let nearest = world.nearest(&ray, f64::INFINITY, &[]);
         nearest.map_or(
             (NOTHING, f64::INFINITY.to_bits()),
             |(index, Crossing { t, face })| (world.id_of(index, face) as u32, t.to_bits()),
@@ -263,7 +263,7 @@ fn plain_samples(
                 let x = f64::from(column) + (f64::from(i) + 0.5) / n - 0.5;
                 let y = f64::from(height - 1 - row) + (f64::from(j) + 0.5) / n - 0.5;
                 let nearest =
-                    world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY, None);
+                    world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY, &[]);
                 let id = |(index, met): (usize, Crossing)| world.id_of(index, met.face) as u32;
                 seen.push(nearest.map_or(NOTHING, id));
             }

@@ -1,5 +1,7 @@
 //! Comparison of binned shadows with the plain loop, on random worlds.
 
+use std::rc::Rc;
+
 use glam::DVec3;
 
 use crate::{
@@ -16,6 +18,7 @@ use crate::{
     simd::{F64x8, Kernel, LANES, Simd, isa::Isa},
     tracer::{
         color::Color,
+        contact::Start,
         geometry::Geometry,
         material::{Glass, Material},
         radiance::Radiance,
@@ -25,7 +28,7 @@ use crate::{
             Extent, Shape,
             any::{any, place_some, unbounded},
             disc::Disc,
-            face::FaceId,
+            face::{Crossing, FaceId, Leaving},
             plane::Plane,
             sphere::Sphere,
         },
@@ -140,13 +143,17 @@ fn toward(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Toward {
     }
 }
 
-/// The geometries and the faces that points lie on.
-type Own = (Vec<u32>, Vec<u64>);
+/// A point that a camera sees.
+struct Seen {
+    ray: Ray,
+    t: f64,
+    /// Where rays begin there; `None` if nothing is asked of it.
+    start: Option<Start>,
+}
 
 /// The points that a camera sees, row by row, and some others.
-fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>; 3], Own) {
-    let (mut points, mut own) = ([const { Vec::new() }; 3], Vec::new());
-    let mut faces = Vec::new();
+fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Vec<Seen> {
+    let mut points = Vec::new();
     let eye = offset + rng.vector() * scale * rng.one(&[0.5, 3.0, 3.0, 3.0, 100.0, 1e5]);
     let away = (eye - offset).length().max(scale);
     let side = rng.one(&[1, 7, 16, 24]);
@@ -158,25 +165,27 @@ fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>
             to = rng.vector() * scale * rng.magnitude(-3.0, 9.0);
         }
         let ray = Ray::new(eye, (to - eye) / away);
-        let (point, id, face) = match world.hit(&ray) {
-            Some((index, hit)) => (hit.point, index as u32, hit.face),
-            None => (DVec3::NAN, NOTHING, 0),
-        };
-        faces.push(face);
-        for (axis, x) in points.iter_mut().zip(point.to_array()) {
-            axis.push(x);
-        }
-        own.push(if rng.below(9) == 0 { NOTHING } else { id });
+        let hit = world.hit(&ray).filter(|_| rng.below(9) > 0);
+        let start = hit.and_then(|(geometry, hit)| {
+            let (t, face) = (hit.t, hit.face);
+            let at = (geometry, Crossing { t, face });
+            // That it lies on no other face of its geometry is found before.
+            let is_alone = world.contact(&ray, at, [geometry].into_iter()).is_none();
+            let among = 0..world.geometries().len();
+            let contact = world.contact(&ray, at, among).map(Rc::new);
+            let own = FaceId { geometry, face };
+            is_alone.then(|| Start::at_hit(own, contact, ray.direction()))
+        });
+        let t = hit.map_or(f64::NAN, |(_, hit)| hit.t);
+        points.push(Seen { ray, t, start });
     }
-    (points, (own, faces))
+    points
 }
 
 /// The kernel that asks for the shadows on points: true for dark ones, false for open ones.
 struct Ask<'a> {
     casting: &'a Casting<'a>,
-    at: [&'a [f64]; 3],
-    own: &'a [u32],
-    faces: &'a [u64],
+    points: &'a [Seen],
 }
 
 impl Kernel for Ask<'_> {
@@ -184,23 +193,29 @@ impl Kernel for Ask<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Vec<Option<bool>> {
-        let (mut found, mut last) = (vec![None; self.own.len()], NOTHING);
-        for start in (0..self.own.len()).step_by(LANES) {
-            let width = LANES.min(self.own.len() - start);
-            let (mut own, mut at) = ([NOTHING; LANES], [[f64::NAN; LANES]; 3]);
-            let mut faces = [0; LANES];
-            own[..width].copy_from_slice(&self.own[start..start + width]);
-            faces[..width].copy_from_slice(&self.faces[start..start + width]);
-            for (to, from) in at.iter_mut().zip(self.at) {
-                to[..width].copy_from_slice(&from[start..start + width]);
-            }
+        let (mut found, mut last) = (vec![None; self.points.len()], NOTHING);
+        for start in (0..self.points.len()).step_by(LANES) {
+            let width = LANES.min(self.points.len() - start);
+            let (mut own, mut faces) = ([NOTHING; LANES], [0; LANES]);
+            let (mut rays, mut t) = ([[[f64::NAN; LANES]; 3]; 2], [f64::NAN; LANES]);
             let (mut center, mut is_sphere, mut asked) = ([[0.0; LANES]; 3], [0.0; LANES], 0);
-            for lane in 0..LANES {
-                let Some(geometry) = self.casting.geometries.get(own[lane] as usize) else {
+            for (lane, seen) in self.points[start..][..width].iter().enumerate() {
+                for (to, from) in rays
+                    .iter_mut()
+                    .zip([seen.ray.origin(), seen.ray.direction()])
+                {
+                    for (axis, x) in to.iter_mut().zip(from.to_array()) {
+                        axis[lane] = x;
+                    }
+                }
+                t[lane] = seen.t;
+                let Some(start) = &seen.start else {
                     continue;
                 };
                 asked |= 1 << lane;
-                if let Some(sphere) = geometry.shape().sphere() {
+                let FaceId { geometry, face } = start.own();
+                (own[lane], faces[lane]) = (geometry as u32, face);
+                if let Some(sphere) = self.casting.world.geometries()[geometry].shape().sphere() {
                     is_sphere[lane] = 1.0;
                     for (center, x) in center.iter_mut().zip(sphere.center().to_array()) {
                         center[lane] = x;
@@ -208,13 +223,17 @@ impl Kernel for Ask<'_> {
                 }
             }
             let load = |x: [[f64; LANES]; 3]| x.each_ref().map(|x| simd.load(x));
+            let (rays, t) = (rays.map(load), simd.load(&t));
+            let at = [0, 1, 2].map(|axis| rays[0][axis] + t * rays[1][axis]);
             let points = Points {
-                at: load(at),
+                at,
                 own: &own,
                 faces: &faces,
                 center: load(center),
                 is_sphere: simd.splat(0.0).lt(simd.load(&is_sphere)),
+                rays: (rays, t),
                 asked,
+                most: Points::most_of(simd, asked, [at, rays[0]]),
             };
             let shadows = self.casting.meet(simd, &points, &mut last);
             for lane in 0..width {
@@ -231,17 +250,15 @@ impl Kernel for Ask<'_> {
 }
 
 /// Returns true if a geometry that casts shadows is in the way.
-fn is_dark(world: &World, casters: Casters, toward: Toward, point: DVec3, own: FaceId) -> bool {
+fn is_dark(world: &World, casters: Casters, toward: Toward, start: &Start, point: DVec3) -> bool {
     let (ray, t_max) = (toward.ray(point), toward.t_max());
-    let own = world.own(Some(own));
-    let mut all = world.geometries().iter();
-    all.any(|geometry| {
-        casters.hold(geometry)
-            && geometry
-                .shape()
-                .meet_from(own.as_ref(), &ray, t_max)
-                .is_some()
-    })
+    let at_origin = world.at_origin(&ray, start);
+    let mut all = world.geometries().iter().enumerate();
+    at_origin.is_some_and(|passed| casters.hold(&world.geometries()[passed.face.geometry]))
+        || all.any(|(index, geometry)| {
+            let leaving = Leaving::of(start.left(), index);
+            casters.hold(geometry) && geometry.shape().meet(&ray, leaving, t_max).is_some()
+        })
 }
 
 #[test]
@@ -260,17 +277,12 @@ fn every_point_agrees_with_the_plain_loop() {
         let world = world(&mut rng, scale, offset);
         let toward = toward(&mut rng, &world, scale, offset);
         let casters = rng.one(&[Casters::Opaque, Casters::Opaque, Casters::Glass]);
-        let (at, (own, faces)) = points(&mut rng, &world, scale, offset);
-        let face = |place: usize| FaceId {
-            geometry: own[place] as usize,
-            face: faces[place],
-        };
-        let point = |place: usize| DVec3::from(at.each_ref().map(|axis| axis[place]));
-        let expected: Vec<_> = (0..own.len())
-            .map(|place| {
-                own[place] != NOTHING && is_dark(&world, casters, toward, point(place), face(place))
-            })
-            .collect();
+        let points = points(&mut rng, &world, scale, offset);
+        let expected = points.iter().map(|seen| {
+            let start = seen.start.as_ref();
+            start.is_some_and(|it| is_dark(&world, casters, toward, it, seen.ray.at(seen.t)))
+        });
+        let expected: Vec<_> = expected.collect();
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let indexed = world.without_indices();
         index_shapes(indexed.geometries(), Builder::new(&pool, Isa::best()));
@@ -290,25 +302,22 @@ fn every_point_agrees_with_the_plain_loop() {
             };
             let found = isa.run(Ask {
                 casting: &casting,
-                at: at.each_ref().map(Vec::as_slice),
-                own: &own,
-                faces: &faces,
+                points: &points,
             });
             for (place, found) in found.into_iter().enumerate() {
                 let is_right = match found {
                     Some(true) => expected[place],
                     // Open.
-                    Some(false) => own[place] != NOTHING,
+                    Some(false) => points[place].start.is_some(),
                     None => !expected[place],
                 };
+                let Seen { ray, t, start } = &points[place];
                 assert!(
                     is_right,
-                    "case {case}, {}, {kept:?}: {} is {found:?} from {:?} to {toward:?} in {indexed:?}",
+                    "case {case}, {}, {kept:?}: {ray:?} at {t} is {found:?}, {start:?} to {toward:?} in {indexed:?}",
                     isa.name(),
-                    point(place),
-                    own[place],
                 );
-                asked += usize::from(own[place] != NOTHING);
+                asked += usize::from(start.is_some());
                 dark += usize::from(found == Some(true));
                 open += usize::from(found == Some(false));
             }
@@ -324,16 +333,13 @@ fn a_dark_point_lets_no_light_through() {
     for _ in 0..cases(CASES) / 20 {
         let world = world(&mut rng, 1.0, DVec3::ZERO);
         let toward = toward(&mut rng, &world, 1.0, DVec3::ZERO);
-        let (at, (own, faces)) = points(&mut rng, &world, 1.0, DVec3::ZERO);
-        for (place, (own, face)) in own.into_iter().zip(faces).enumerate() {
-            if own != NOTHING {
-                let geometry = own as usize;
-                let own = FaceId { geometry, face };
-                let point = DVec3::from(at.each_ref().map(|axis| axis[place]));
+        for Seen { ray, t, start } in points(&mut rng, &world, 1.0, DVec3::ZERO) {
+            if let Some(start) = start {
+                let point = ray.at(t);
                 let (ray, t_max) = (toward.ray(point), toward.t_max());
-                let transmission = world.transmission(&ray, t_max, own);
+                let transmission = world.transmission(&ray, t_max, &start);
                 let has_glass = || world.geometries().iter().any(|it| it.has_glass());
-                match is_dark(&world, Casters::Opaque, toward, point, own) {
+                match is_dark(&world, Casters::Opaque, toward, &start, point) {
                     true => assert_eq!(transmission, Radiance::BLACK),
                     false => assert!(transmission == Radiance::WHITE || has_glass()),
                 }

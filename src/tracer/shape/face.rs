@@ -189,3 +189,22 @@ impl Shape {
         }
     }
 }
+
+#[cfg(test)]
+impl FaceId {
+    /// Creates a face of a shape that is the only geometry.
+    pub(crate) const fn of_shape(face: u64) -> Self {
+        Self { geometry: 0, face }
+    }
+}
+
+#[cfg(test)]
+impl<'a> Leaving<'a> {
+    /// Creates a ray that leaves one face.
+    pub(crate) const fn only(face: &'a FaceId) -> Self {
+        Self {
+            faces: std::slice::from_ref(face),
+            first: 0,
+        }
+    }
+}

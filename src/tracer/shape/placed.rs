@@ -328,7 +328,7 @@ fn place(shape: Shape, transform: Arc<Transform>) -> Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tracer::shape::{disc::Disc, face::Own, plane::Plane, sphere::Sphere};
+    use crate::tracer::shape::sphere::Sphere;
 
     fn transform(shift: DVec3, scale: DVec3) -> Arc<Transform> {
         Arc::new(Transform::new(shift, None, scale).unwrap())
@@ -381,19 +381,5 @@ mod tests {
         assert_eq!(*one.transform(), outer.times(&inner).unwrap());
         let nested = ball().placed(&inner).unwrap().placed(&outer).unwrap();
         assert_eq!(nested, Shape::Placed(one));
-    }
-
-    #[test]
-    fn planes_are_compared_under_one_matrix() {
-        let map = transform(DVec3::Y, DVec3::new(1.0, 3.0, 2.0));
-        let floor: Shape = Plane::new(DVec3::ZERO, DVec3::Y).unwrap().into();
-        let disc: Shape = Disc::new(DVec3::X, DVec3::NEG_Y, 1.0).unwrap().into();
-        let placed = [&floor, &disc].map(|shape| shape.clone().placed(&map).unwrap());
-        assert_eq!(placed[0].bounds(), None);
-        let own = Own::new(&placed[0], 0);
-        assert!(own.is_all_of(&placed[1]) && !own.is_all_of(&disc) && !own.is_all_of(&floor));
-        let at = Ray::new(DVec3::new(1.0, 1.0 + 1e-16, 0.0), DVec3::NEG_Y);
-        assert_eq!(placed[1].meet_from(Some(&own), &at, 9.0), None);
-        assert_eq!(Own::new(&disc, 0).on(&placed[1]).face, None);
     }
 }

@@ -12,11 +12,9 @@ use crate::tracer::{
         cone::Cone,
         cuboid::Cuboid,
         cylinder::Cylinder,
-        disc::Disc,
         ellipsoid::Ellipsoid,
-        face::{Crossing, Leaving, Own},
+        face::{Crossing, FaceId, Leaving},
         mesh::{Mesh, MeshGroup},
-        plane::Plane,
         rectangle::Rectangle,
         solid::{Operation, Solid},
         torus::Torus,
@@ -143,8 +141,8 @@ fn a_ray_that_leaves_a_closed_shape_meets_it_only_inward() {
             continue;
         };
         let next = Ray::new(ray.at(crossing.t), rng.vector());
-        let own = Own::new(&shape, crossing.face);
-        let found = crossings(&shape, &next, own.on(&shape), f64::INFINITY);
+        let own = FaceId::of_shape(crossing.face);
+        let found = crossings(&shape, &next, Leaving::only(&own), f64::INFINITY);
         match goes_inward(&shape, &ray, crossing, next.direction()) {
             Some(true) => {
                 inward += 1;
@@ -194,10 +192,10 @@ fn a_ray_that_leaves_from_an_edge_meets_no_other_face_there() {
             let outward = normals[0] + normals[1] * rng.signed().abs() + along;
             let is_outward = normals.iter().all(|normal| normal.dot(outward) > 0.0);
             for face in faces {
-                let own = Own::new(shape, face);
+                let own = FaceId::of_shape(face);
                 let leave = |direction| {
                     let ray = Ray::new(point, direction);
-                    crossings(shape, &ray, own.on(shape), f64::INFINITY)
+                    crossings(shape, &ray, Leaving::only(&own), f64::INFINITY)
                 };
                 if is_outward {
                     assert_eq!(leave(outward), [], "{shape:?} {point} {outward}");
@@ -377,41 +375,6 @@ fn a_rectangle_is_a_parallelogram() {
 }
 
 #[test]
-fn faces_in_one_plane_are_left_together() {
-    let floor: Shape = Plane::new(DVec3::ZERO, DVec3::Y).unwrap().into();
-    let cuboid: Shape = Cuboid::new(DVec3::ZERO, DVec3::ONE).unwrap().into();
-    let disc: Shape = Disc::new(DVec3::new(0.5, 1.0, 0.5), DVec3::NEG_Y, 0.2)
-        .unwrap()
-        .into();
-    let half = DVec3::new(0.5, 0.0, 0.5);
-    // From the floor below the box: only its upper side is met.
-    let up = Ray::new(half - DVec3::Y * 1e-17, DVec3::Y);
-    let own = Own::new(&floor, 0);
-    assert_eq!(
-        crossings(&cuboid, &up, own.on(&cuboid), 9.0),
-        [Crossing { t: 1.0, face: 3 }]
-    );
-    // From the upper side of the box, the disc on it is not met, and the lower side is.
-    let own = Own::new(&cuboid, 3);
-    let down = Ray::new(half + DVec3::Y * (1.0 + 1e-16), DVec3::NEG_Y);
-    assert_eq!(disc.meet(&down, own.on(&disc), 9.0), None);
-    assert_eq!(
-        floor.meet(&down, own.on(&floor), 9.0).map(|at| at.face),
-        Some(0)
-    );
-    let below = crossings(&cuboid, &down, own.on(&cuboid), 9.0);
-    assert_eq!(below.iter().map(|at| at.face).collect::<Vec<_>>(), [2]);
-    // A cap in the plane of a disc.
-    let cylinder: Shape = Cylinder::new(DVec3::Y, DVec3::Y * 3.0, 1.0, true)
-        .unwrap()
-        .into();
-    let own = Own::new(&disc, 0);
-    let up = Ray::new(DVec3::Y * (1.0 - 1e-16), DVec3::Y);
-    let all = crossings(&cylinder, &up, own.on(&cylinder), 9.0);
-    assert_eq!(all.iter().map(|at| at.face).collect::<Vec<_>>(), [2]);
-}
-
-#[test]
 fn boxes_around_shapes_are_tight() {
     let expected = [
         [DVec3::new(-1.0, 0.0, -1.0), DVec3::new(1.0, 2.0, 1.0)],
@@ -463,12 +426,12 @@ fn a_bundle_meets_what_its_rays_do() {
                 }
             }
             let face = rng.below(shape.face_count() as usize) as u64;
-            owns[lane] = (rng.below(3) == 0).then(|| Own::new(&shape, face));
+            owns[lane] = (rng.below(3) == 0).then(|| FaceId::of_shape(face));
         }
         let t_max = [(); BUNDLE].map(|()| rng.one(&[f64::INFINITY, 1.0, 0.0]));
         let bundle = Bundle::new(lines[0], lines[1], t_max);
-        let leaving = owns.each_ref().map(|own: &Option<Own>| match own {
-            Some(own) => own.on(&shape),
+        let leaving = owns.each_ref().map(|own: &Option<FaceId>| match own {
+            Some(own) => Leaving::only(own),
             None => Leaving::NOTHING,
         });
         let expected = bundle.each(|lane, ray, t_max| shape.meet(ray, leaving[lane], t_max));

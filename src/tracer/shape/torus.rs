@@ -365,7 +365,7 @@ mod tests {
     use super::*;
     use crate::tracer::{
         random::{Rng, cases},
-        shape::{Shape, face::Own},
+        shape::face::FaceId,
     };
 
     fn ring() -> Torus {
@@ -426,10 +426,9 @@ mod tests {
             if normal.dot(direction).abs() < 1e-3 {
                 continue;
             }
-            let shape = Shape::from(torus);
-            let own = Own::new(&shape, 0);
+            let own = FaceId::of_shape(0);
             let next = Ray::new(ray.at(t), direction);
-            let found = all(&torus, &next, own.on(&shape));
+            let found = all(&torus, &next, Leaving::only(&own));
             let before = Ray::new(ray.at(t) - 1e-7 * direction, direction);
             let mut expected = all(&torus, &before, Leaving::NOTHING);
             expected.retain(|t| (t - 1e-7).abs() > 1e-9);

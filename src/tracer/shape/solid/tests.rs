@@ -15,7 +15,7 @@ use crate::tracer::{
         cylinder::Cylinder,
         disc::Disc,
         ellipsoid::Ellipsoid,
-        face::{Crossing, Leaving, Own},
+        face::{Crossing, FaceId, Leaving},
         instances::Instances,
         plane::Plane,
         solid::{Operation, Solid},
@@ -143,10 +143,9 @@ fn a_part_that_is_placed_is_met_as_it_is_alone() {
                 let at = Crossing { t, face };
                 assert_eq!(whole.normal_at(&ray, at), alone.normal_at(&ray, at));
                 let next = Ray::new(ray.at(t), rng.vector());
-                let [one, other] = [&whole, &alone].map(|shape| {
-                    let own = Own::new(shape, face);
-                    all(shape, &next, own.on(shape))
-                });
+                let own = FaceId::of_shape(face);
+                let [one, other] =
+                    [&whole, &alone].map(|shape| all(shape, &next, Leaving::only(&own)));
                 assert_eq!(one, other);
             }
         }
@@ -242,11 +241,11 @@ fn crossings_are_where_points_change_sides() {
         compared += compare(solid, &ray, Leaving::NOTHING, &mut rng);
         // And from each face that is met.
         for (t, face) in all(shape, &ray, Leaving::NOTHING) {
-            let own = Own::new(shape, face);
+            let own = FaceId::of_shape(face);
             let next = Ray::new(ray.at(t), rng.vector());
             let normal = shape.normal_at(&ray, Crossing { t, face });
             if normal.dot(next.direction()).abs() > 1e-2 {
-                left += compare(solid, &next, own.on(shape), &mut rng);
+                left += compare(solid, &next, Leaving::only(&own), &mut rng);
             }
         }
     }
