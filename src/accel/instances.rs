@@ -200,8 +200,31 @@ impl Index for Copies {
         else {
             return (0..self.count).for_each(see);
         };
-        tree.each_near(frame.near(corners), |list| {
-            lists.of(list).for_each(|copy| see(copy as usize));
+        self.isa.run(NearBox {
+            tree,
+            lists,
+            around: frame.near(corners),
+            see,
+        });
+    }
+}
+
+/// The kernel that calls `see` with the copies near a box.
+struct NearBox<'a, 'b> {
+    tree: &'a Tree,
+    lists: &'a Lists,
+    around: [[f32; 3]; 2],
+    see: &'b mut dyn FnMut(usize),
+}
+
+impl Kernel for NearBox<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        self.tree.each_near(simd, self.around, |list| {
+            let copies = self.lists.of(list);
+            copies.for_each(|copy| (self.see)(copy as usize));
         });
     }
 }

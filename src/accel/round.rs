@@ -34,6 +34,32 @@ impl<'a> Round<'a> {
         }
     }
 
+    /// Returns the distances of points from the surfaces that its faces lie in, and how large its numbers are.
+    #[inline(always)]
+    pub(super) fn distances<S: Simd>(self, simd: S, at: [S::F64; 3]) -> ([S::F64; 3], f64) {
+        let (center, normal, radius) = match self {
+            Self::Disc(disc) => (disc.center(), disc.normal(), None),
+            Self::Cylinder(cylinder) => {
+                (cylinder.from(), cylinder.unit_axis(), Some(cylinder.radius()))
+            }
+        };
+        let size = center.abs().max_element();
+        let (q, w) = (sub(at, splat3(simd, center)), splat3(simd, normal));
+        let height = dot(q, w);
+        let Some(radius) = radius else {
+            let height = height * simd.splat(1.0 / normal.abs().max_element());
+            return ([height; 3], size);
+        };
+        let Self::Cylinder(cylinder) = self else {
+            return ([height; 3], size);
+        };
+        let beside = across(q, w);
+        let side = dot(beside, beside).sqrt() - simd.splat(radius);
+        let top = height - simd.splat((cylinder.to() - center).dot(normal));
+        let size = size.max(cylinder.to().abs().max_element()) + radius;
+        ([height, side, top], size)
+    }
+
     /// Returns the first crossing of one ray.
     #[cold]
     #[inline(never)]

@@ -14,10 +14,7 @@ use crate::{
         material::lobes::LightOfMaterials,
         radiance::Radiance,
         ray::Ray,
-        shape::{
-            contact::ContactPoint,
-            face::{Crossing, FaceId},
-        },
+        shape::face::{Crossing, FaceId},
     },
 };
 
@@ -76,9 +73,8 @@ impl Queries for Accelerated<'_> {
         let Some(hierarchy) = self.hierarchy.get() else {
             return Queries::contact(self.world.0, ray, hit);
         };
-        let around = ContactPoint::vague(ray, hit.1.t).around();
-        let near = hierarchy.near(around);
-        self.world.0.contact(ray, hit, near.iter().copied())
+        let each = |corners, see: &mut dyn FnMut(usize)| hierarchy.each_near(corners, see);
+        self.world.0.contact(ray, hit, each)
     }
 
     fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {

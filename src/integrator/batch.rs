@@ -4,7 +4,7 @@
 
 mod surfaces;
 
-use std::{iter, rc::Rc};
+use std::rc::Rc;
 
 use glam::DVec3;
 
@@ -449,9 +449,8 @@ impl<Q: Queries> ShadeRow<'_, Q> {
                 t: t[lane],
                 face: faces[lane],
             };
-            let among = iter::once(index);
             let ray = ray_of(rays, lane);
-            let contact = self.world.contact(&ray, (index, crossing), among);
+            let contact = self.world.contact(&ray, (index, crossing), |_, see| see(index));
             touching | u8::from(contact.is_some()) << lane
         })
     }

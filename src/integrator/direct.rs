@@ -39,7 +39,7 @@ pub(crate) trait Queries {
     /// Returns [`World::nearest`].
     fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)>;
 
-    /// Returns [`World::contact`] among all geometries.
+    /// Returns [`World::contact_among_all`].
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact>;
 
     /// Returns [`World::transmission`].
@@ -96,7 +96,7 @@ impl Queries for World {
     }
 
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
-        World::contact(self, ray, hit, 0..self.geometries().len())
+        self.contact_among_all(ray, hit)
     }
 
     fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {

@@ -105,42 +105,43 @@ struct Crossings {
 }
 
 impl World {
-    /// Returns the faces that the point of a crossing lies on, which belong to some of the geometries;
-    /// `None` if it lies on one alone.
+    /// Returns the faces that the point of a crossing lies on; `None` if it lies on one alone. `each` calls
+    /// back with the index of every geometry that may meet a box around the point.
     pub(crate) fn contact(
         &self,
         ray: &Ray,
         (index, crossing): (usize, Crossing),
-        among: impl Iterator<Item = usize> + Clone,
+        each: impl Fn([DVec3; 2], &mut dyn FnMut(usize)),
     ) -> Option<Contact> {
         let own = FaceId {
             geometry: index,
             face: crossing.face,
         };
-        let faces = |point: &ContactPoint| {
-            let mut found = Vec::new();
-            for geometry in among.clone() {
+        let each_face = |point: &ContactPoint, see: &mut dyn FnMut(FaceId, &NearFace)| {
+            each(point.around(), &mut |geometry| {
                 let shape = self.geometries()[geometry].shape();
                 shape.each_face_near(point, &mut |near| {
                     let face = near.face;
-                    let id = FaceId { geometry, face };
-                    if near.is_touched || id == own {
-                        found.push((id, near));
-                    }
+                    see(FaceId { geometry, face }, near);
                 });
-            }
-            found
+            });
         };
         // Nearly always, the point is far from all others.
         let point = ContactPoint::vague(ray, crossing.t);
-        let near = faces(&point);
-        let is_own = |(id, _): &(FaceId, NearFace)| *id == own;
-        if near.iter().all(is_own) {
+        let (mut distance, mut is_alone) = (0.0, true);
+        each_face(&point, &mut |id, near| match id == own {
+            true => distance = near.distance,
+            false => is_alone &= !near.is_touched,
+        });
+        if is_alone {
             return None;
         }
-        let distance = near.iter().find(|it| is_own(it));
-        let distance = distance.map_or(0.0, |(_, near)| near.distance);
-        let mut all = faces(&point.at_distance(distance));
+        let mut all = Vec::new();
+        each_face(&point.at_distance(distance), &mut |id, near| {
+            if near.is_touched || id == own {
+                all.push((id, *near));
+            }
+        });
         all.sort_unstable_by_key(|(id, _)| *id);
         let (ids, faces): (Vec<_>, _) = all.into_iter().unzip();
         (ids.len() > 1).then_some(Contact {
@@ -149,6 +150,11 @@ impl World {
             ray: *ray,
             t: crossing.t,
         })
+    }
+
+    /// The same among all geometries: the definition.
+    pub(crate) fn contact_among_all(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
+        self.contact(ray, hit, |_, see| (0..self.geometries().len()).for_each(see))
     }
 
     /// Returns the hit of a ray at a `t` on a face.

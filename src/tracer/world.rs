@@ -321,7 +321,7 @@ impl World {
     /// nearer to the point than its rounding errors, in file order.
     pub fn faces_at(&self, ray: &Ray, index: usize, hit: &Hit) -> Vec<FaceId> {
         let (t, face) = (hit.t, hit.face);
-        let contact = self.contact(ray, (index, Crossing { t, face }), 0..self.geometries.len());
+        let contact = self.contact_among_all(ray, (index, Crossing { t, face }));
         let own = FaceId {
             geometry: index,
             face,

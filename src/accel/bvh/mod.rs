@@ -19,7 +19,7 @@ use crate::{
     accel::{
         bvh::{
             build::Builder,
-            portion::{Portion, Shapes},
+            portion::{Near, Portion, Shapes},
             walk::{Crossings, Nearest, Walk},
         },
         index::index_shapes,
@@ -252,15 +252,16 @@ impl Hierarchy {
         world.transmission_among(ray, t_max, start, glass.in_order().into_iter())
     }
 
-    /// Returns the indices of the geometries whose boxes meet another one, in file order, and maybe others
-    /// near it.
-    pub(crate) fn near(&self, corners: [DVec3; 2]) -> Vec<usize> {
-        let mut all = self.apart.clone();
+    /// Calls `see` with the index of every geometry that may meet a box, given its corners.
+    pub(crate) fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {
+        self.apart.iter().copied().for_each(&mut *see);
         for shapes in self.shapes() {
-            shapes.each_near(corners, |index| all.push(index));
+            self.isa.run(Near {
+                shapes,
+                corners,
+                see: &mut *see,
+            });
         }
-        all.sort_unstable();
-        all
     }
 }
 

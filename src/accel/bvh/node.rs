@@ -67,13 +67,6 @@ impl Leaf {
         glass: 0,
     };
 
-    /// Returns the indices of the shapes.
-    pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
-        let is_used = |lane: usize| !self.center[0][lane].is_nan() || self.others >> lane & 1 == 1;
-        let lanes = (0..LANES).filter(move |lane| is_used(*lane));
-        lanes.map(|lane| self.index[lane] as usize)
-    }
-
     /// Returns the sphere in a lane, if there is one.
     pub(super) fn sphere(&self, lane: usize) -> Option<Sphere> {
         let [x, y, z] = self.center.map(|lanes| lanes.get(lane).copied());

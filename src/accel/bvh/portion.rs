@@ -14,9 +14,11 @@ use crate::{
             tree::Tree,
             walk::{Nearest, Walk},
         },
+        lanes::{abs, bits, dot, splat3, sub},
         pages::Pages,
         runs::{count, geometries},
     },
+    simd::{F64x8, Kernel, Mask, Simd},
     tracer::{
         geometry::Geometry,
         ray::Ray,
@@ -47,13 +49,6 @@ impl Shapes {
         self.leaves.get(leaf)?.sphere(lane)
     }
 
-    /// Calls `see` with the index of every shape whose box meets another one, and maybe with others near it.
-    pub(super) fn each_near(&self, corners: [DVec3; 2], mut see: impl FnMut(usize)) {
-        self.tree.each_near(self.frame.near(corners), |number| {
-            self.leaves[number].indices().for_each(&mut see);
-        });
-    }
-
     /// Returns the walk of a ray that does not meet the geometries of the faces that it leaves.
     #[inline(always)]
     pub(super) fn walk<'a, const ANY: bool>(
@@ -73,6 +68,45 @@ impl Shapes {
             left,
             glass: None,
         }
+    }
+}
+
+/// The kernel that calls `see` with the index of every shape that may meet a box, given its corners.
+pub(super) struct Near<'a, 'b> {
+    pub(super) shapes: &'a Shapes,
+    pub(super) corners: [DVec3; 2],
+    pub(super) see: &'b mut dyn FnMut(usize),
+}
+
+impl Kernel for Near<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self {
+            shapes,
+            corners,
+            see,
+        } = self;
+        let middle = (corners[0] + corners[1]) * 0.5;
+        let half = simd.splat((corners[1] - middle).max_element());
+        let middle = splat3(simd, middle);
+        shapes
+            .tree
+            .each_near(simd, shapes.frame.near(corners), |number| {
+                let leaf = &shapes.leaves[number];
+                // All spheres that the surface of the box may meet, and so the box itself if it is so much
+                // smaller.
+                let center = leaf.center.each_ref().map(|axis| simd.load(axis));
+                let radius = simd.load(&leaf.radius);
+                let away = sub(middle, center);
+                let off = abs(dot(away, away) - radius * radius);
+                let reach = simd.splat(4.0) * half;
+                let is_near = off.le(reach * (radius + radius + reach));
+                for lane in bits(is_near.bits() | leaf.others) {
+                    see(leaf.index[lane] as usize);
+                }
+            });
     }
 }
 

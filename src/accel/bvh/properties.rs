@@ -250,8 +250,7 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
             if let Some((index, hit)) = world.hit(&ray).filter(|_| rng.below(4) > 0) {
                 (own.geometry, own.face) = (index, hit.face);
                 let (t, face) = (hit.t, hit.face);
-                let among = 0..world.geometries().len();
-                contact = world.contact(&ray, (index, Crossing { t, face }), among);
+                contact = world.contact_among_all(&ray, (index, Crossing { t, face }));
                 let length = rng.magnitude(-2.0, 2.0);
                 ray = Ray::new(hit.point, rng.vector() * length);
             }

@@ -3,10 +3,14 @@
 use crate::{
     accel::{
         bvh::node::{Link, LinkTarget, Node},
+        lanes::bits,
         pages::Pages,
     },
-    simd::LANES,
+    simd::{F32x8, Simd},
 };
+
+/// The number of links that need no memory of their own.
+const FEW: usize = 32;
 
 /// The largest number of nodes between the root and a leaf.
 pub(super) const DEPTH: usize = 28;
@@ -20,22 +24,47 @@ pub(crate) struct Tree {
 
 impl Tree {
     /// Calls `see` with the number of every leaf that may meet a box.
-    pub(crate) fn each_near(&self, [center, half]: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
-        let is_near = |node: &Node, lane: usize| {
-            (0..3).all(|axis| {
-                node.planes[axis][lane] <= center[axis] + half[axis]
-                    && node.planes[axis + 3][lane] >= center[axis] - half[axis]
-            })
-        };
-        let mut links = vec![self.root];
-        while let Some(link) = links.pop() {
+    #[inline(always)]
+    pub(crate) fn each_near<S: Simd>(
+        &self,
+        simd: S,
+        [center, half]: [[f32; 3]; 2],
+        mut see: impl FnMut(usize),
+    ) {
+        let side = |axis: usize, sign: f32| simd.splat_f32(center[axis] + sign * half[axis]);
+        let low = [side(0, -1.0), side(1, -1.0), side(2, -1.0)];
+        let high = [side(0, 1.0), side(1, 1.0), side(2, 1.0)];
+        // Few boxes of a node hold a point.
+        let (mut links, mut len, mut below) = ([self.root; FEW], 1, Vec::new());
+        loop {
+            let link = match len {
+                0 => match below.pop() {
+                    Some(link) => link,
+                    None => return,
+                },
+                _ => {
+                    len -= 1;
+                    links[len]
+                }
+            };
             match link.place() {
+                LinkTarget::Leaf(number) => see(number),
                 LinkTarget::Node(number) => {
                     let node = &self.nodes[number];
-                    let lanes = (0..LANES).filter(|lane| is_near(node, *lane));
-                    links.extend(lanes.map(|lane| node.links[lane]));
+                    let mut is_near = u8::MAX;
+                    for axis in 0..3 {
+                        is_near &= simd.load_f32(&node.planes[axis]).le(high[axis]);
+                        is_near &= low[axis].le(simd.load_f32(&node.planes[axis + 3]));
+                    }
+                    for lane in bits(is_near) {
+                        if len < FEW {
+                            links[len] = node.links[lane];
+                            len += 1;
+                        } else {
+                            below.push(node.links[lane]);
+                        }
+                    }
                 }
-                LinkTarget::Leaf(number) => see(number),
             }
         }
     }

@@ -165,12 +165,11 @@ impl Index for Triangles {
         self.isa.run(together).unwrap_or_else(one_by_one)
     }
 
-    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(u64)) {
-        self.tree.each_near(self.frame.near(corners), |leaf| {
-            for patch in patches_of(&self.patches, leaf) {
-                let faces = patch.faces.iter().take(patch.triangles.into());
-                faces.for_each(|face| see((*face).into()));
-            }
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(u64, [DVec3; 3])) {
+        self.isa.run(Near {
+            triangles: self,
+            corners,
+            see,
         });
     }
 
@@ -184,6 +183,34 @@ impl Index for Triangles {
         if let Err(Each { see, .. }) = found {
             passage.each_of_all(t_max, see);
         }
+    }
+}
+
+/// The kernel that calls `see` with each triangle whose box meets another one.
+struct Near<'a, 'b> {
+    triangles: &'a Triangles,
+    corners: [DVec3; 2],
+    see: &'b mut dyn FnMut(u64, [DVec3; 3]),
+}
+
+impl Kernel for Near<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Triangles {
+            tree,
+            frame,
+            patches,
+            ..
+        } = self.triangles;
+        tree.each_near(simd, frame.near(self.corners), |leaf| {
+            for patch in patches_of(patches, leaf) {
+                for lane in 0..usize::from(patch.triangles).min(LANES) {
+                    (self.see)(patch.faces[lane].into(), patch.corners_of(lane));
+                }
+            }
+        });
     }
 }
 

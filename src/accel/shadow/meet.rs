@@ -208,8 +208,9 @@ impl<'a> Casting<'a> {
             });
             if is_touched {
                 let (own, face) = (points.own[lane] as usize, points.faces[lane]);
-                let among = [own, index as usize].into_iter();
-                let contact = self.world.contact(&ray, (own, Crossing { t, face }), among);
+                let among = [own, index as usize];
+                let each = |_, see: &mut dyn FnMut(usize)| among.into_iter().for_each(see);
+                let contact = self.world.contact(&ray, (own, Crossing { t, face }), each);
                 touched |= u8::from(contact.is_some()) << lane;
             }
         }
@@ -232,8 +233,9 @@ impl<'a> Casting<'a> {
         }
         let shape = self.world.geometries()[index as usize].shape();
         let mut touched = 0;
-        if points.are_near(simd, shape) {
-            self.others(points, [0, lit], index, &mut touched);
+        let near = points.near(simd, shape) & lit;
+        if near != 0 {
+            self.others(points, [0, near], index, &mut touched);
             *open |= touched;
             lit &= !touched;
         }

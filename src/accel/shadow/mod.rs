@@ -21,6 +21,7 @@ use crate::{
     accel::{
         bvh::build::Builder,
         kept::{WorldOfFrame, built},
+        round::Round,
         lanes::abs,
         shadow::{
             casters::{Casters, Toward},
@@ -88,21 +89,27 @@ impl<'a, S: Simd> Points<'a, S> {
         (BESIDE * self.most + WRONG * far) * plane.normal().abs().element_sum()
     }
 
-    /// Returns true if some points may be near a shape.
+    /// Returns the points that may lie on a shape.
     #[inline(always)]
-    fn are_near(&self, simd: S, shape: &Shape) -> bool {
-        let Some([low, high]) = shape.around().as_ref().and_then(Around::bounds) else {
-            return true;
-        };
+    fn near(&self, simd: S, shape: &Shape) -> u8 {
         let reach = simd.splat(REACH * self.most);
-        let mut are_near = simd.mask(self.asked);
+        if let Some(round) = Round::new(shape) {
+            let (distances, size) = round.distances(simd, self.at);
+            let slack = reach + simd.splat(WRONG * size);
+            let near = distances.map(|distance| abs(distance).le(slack).bits());
+            return near.into_iter().fold(0, |all, near| all | near) & self.asked;
+        }
+        let Some([low, high]) = shape.around().as_ref().and_then(Around::bounds) else {
+            return self.asked;
+        };
+        let mut near = simd.mask(self.asked);
         for axis in 0..3 {
             let at = self.at[axis];
-            are_near = are_near
+            near = near
                 & simd.splat(low[axis]).le(at + reach)
                 & at.le(simd.splat(high[axis]) + reach);
         }
-        are_near.bits() != 0
+        near.bits()
     }
 
     /// Returns the ray that arrived at a point, and its `t`.

@@ -170,9 +170,8 @@ fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Vec<Seen> 
             let (t, face) = (hit.t, hit.face);
             let at = (geometry, Crossing { t, face });
             // That it lies on no other face of its geometry is found before.
-            let is_alone = world.contact(&ray, at, [geometry].into_iter()).is_none();
-            let among = 0..world.geometries().len();
-            let contact = world.contact(&ray, at, among).map(Rc::new);
+            let is_alone = world.contact(&ray, at, |_, see| see(geometry)).is_none();
+            let contact = world.contact_among_all(&ray, at).map(Rc::new);
             let own = FaceId { geometry, face };
             is_alone.then(|| Start::at_hit(own, contact, ray.direction()))
         });

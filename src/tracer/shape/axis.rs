@@ -149,19 +149,19 @@ impl Axis {
         at: &ContactPoint,
         (radii, slope): ([f64; 2], f64),
         is_capped: bool,
-        see: &mut dyn FnMut(NearFace),
+        see: &mut dyn FnMut(&NearFace),
     ) {
         let side = self.side(at, radii[0], slope);
         let (q, length) = (at.point - self.from, self.length());
         let height = q.dot(self.w);
         let across = q - height * self.w;
-        see(at.face(0, &side, || {
+        see(&at.face(0, &side, || {
             FaceEdge::of_interval(height, [0.0, length], self.w)
         }));
         let caps = [(1, self.from, radii[0]), (2, self.to, radii[1])];
         for (face, center, radius) in caps.into_iter().filter(|_| is_capped) {
             let equation = FaceEquation::plane(at, center, self.w);
-            see(at.face(face, &equation, || FaceEdge::of_circle(across, radius)));
+            see(&at.face(face, &equation, || FaceEdge::of_circle(across, radius)));
         }
     }
 

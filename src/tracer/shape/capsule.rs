@@ -68,7 +68,7 @@ impl Capsule {
         Some(end + self.radius * direction)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         // Where they are tangent, a point lies on both even a little before the joint.
         let joint = REACH * self.radius;
         let (w, length) = (self.axis.w, self.axis.length());
@@ -77,14 +77,14 @@ impl Capsule {
             move || FaceEdge::of_interval(height, [low - joint, high + joint], w)
         };
         let side = self.axis.side(at, self.radius, 0.0);
-        see(at.face(0, &side, within([0.0, length])));
+        see(&at.face(0, &side, within([0.0, length])));
         let ends = [
             (1, self.from(), [f64::NEG_INFINITY, 0.0]),
             (2, self.to(), [length, f64::INFINITY]),
         ];
         for (face, center, heights) in ends {
             let ball = FaceEquation::ball(at, center, self.radius);
-            see(at.face(face, &ball, within(heights)));
+            see(&at.face(face, &ball, within(heights)));
         }
     }
 

@@ -117,7 +117,7 @@ impl Cone {
         self.axis.support(radii, direction)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let round = ([self.radius, self.top_radius], self.slope);
         self.axis.each_face(at, round, self.capped, see);
     }

@@ -183,18 +183,25 @@ impl ContactPoint {
             size,
             more,
         } = *equation;
+        let mut near = NearFace {
+            face,
+            distance: f64::INFINITY,
+            is_touched: false,
+            normal: DVec3::ZERO,
+            edges: [None; EDGES],
+        };
+        // Most faces are far away.
+        let most = self.reach + EPSILON * size.max_element();
+        if value.abs() > 2.0 * most * gradient.abs().element_sum() + more {
+            return near;
+        }
         let of_mapping = self.error_of_mapping();
         let errors = EPSILON * (self.point.abs() + size) + of_mapping;
         let (normal, stretch) = self.mapped_back(gradient);
         let length = normal.length();
         let bound = self.uncertainty * length + gradient.abs().dot(errors) + more;
-        let mut near = NearFace {
-            face,
-            distance: value.abs() / length,
-            is_touched: value.abs() <= bound,
-            normal: DVec3::ZERO,
-            edges: [None; EDGES],
-        };
+        near.distance = value.abs() / length;
+        near.is_touched = value.abs() <= bound;
         if near.is_touched {
             near.normal = unit(normal);
             let slack = self.uncertainty * stretch + errors.element_sum();
@@ -229,7 +236,7 @@ impl ContactPoint {
 
 impl Shape {
     /// Calls `see` with each face and its place beside a point, if the point is near the shape.
-    pub(crate) fn each_face_near(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face_near(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let around = self.around().as_ref().and_then(Around::bounds);
         if around.is_none_or(|around| at.is_near(around)) {
             self.each_face(at, see);

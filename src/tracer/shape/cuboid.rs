@@ -84,7 +84,7 @@ impl Cuboid {
 
     pub(crate) const FACES: Faces = Faces::Several;
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         for face in 0..6 {
             let corner = if face % 2 == 0 { self.min } else { self.max };
             let axis = (face / 2) as usize;
@@ -97,7 +97,7 @@ impl Cuboid {
                 let [[a, b], [c, d]] = [along((axis + 1) % 3), along((axis + 2) % 3)];
                 [a, b, c, d]
             };
-            see(at.face(face, &equation, edges));
+            see(&at.face(face, &equation, edges));
         }
     }
 

@@ -75,7 +75,7 @@ impl Cylinder {
         self.axis.support([self.radius; 2], direction)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let round = ([self.radius; 2], 0.0);
         self.axis.each_face(at, round, self.capped, see);
     }

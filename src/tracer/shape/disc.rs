@@ -67,10 +67,10 @@ impl Disc {
         Some(Around::new(corners, self.center(), self.radius))
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let equation = FaceEquation::plane(at, self.center(), self.normal());
         let edge = || FaceEdge::of_circle(at.point - self.center(), self.radius);
-        see(at.face(0, &equation, edge));
+        see(&at.face(0, &equation, edge));
     }
 
     /// Returns the normal at unit length.

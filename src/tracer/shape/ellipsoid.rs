@@ -102,7 +102,7 @@ impl Ellipsoid {
 
     pub(crate) const FACES: Faces = Faces::Curved;
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let q = self.coordinates(at.point - self.center);
         let [x, y, z] = (2.0 * q).to_array();
         let [a, b, c] = self.axes.map(|axis| axis / axis.dot(axis));
@@ -113,7 +113,7 @@ impl Ellipsoid {
             size: self.center.abs() + ((u + v) + w),
             more: 0.0,
         };
-        see(at.face(0, &equation, FaceEdge::none));
+        see(&at.face(0, &equation, FaceEdge::none));
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

@@ -70,7 +70,7 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
 
     /// Calls `see` with each triangle whose box meets another one, and maybe with others near it.
-    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(u64));
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(u64, [DVec3; 3]));
 }
 
 /// The traversal of a mesh by a ray.
@@ -283,17 +283,19 @@ impl Mesh {
         self.smooth_normal(face, ray, flat).unwrap_or(flat)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
-        let mut test = |face: u64| {
-            if let Some(corners) = self.corners(face)
-                && at.is_near(box_around(corners))
-            {
-                see(triangle_face(at, face, corners));
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
+        let mut test = |face: u64, corners: [DVec3; 3]| {
+            if at.is_near(box_around(corners)) {
+                see(&triangle_face(at, face, corners));
             }
         };
         match self.index.get() {
             Some(index) => index.each_near(at.around(), &mut test),
-            None => (0..self.triangles.len() as u64).for_each(test),
+            None => (0..self.triangles.len() as u64).for_each(|face| {
+                if let Some(corners) = self.corners(face) {
+                    test(face, corners);
+                }
+            }),
         }
     }
 

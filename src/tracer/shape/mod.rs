@@ -147,7 +147,7 @@ macro_rules! shapes {
             }
 
             /// Calls `see` with each face and its place beside a point.
-            pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+            pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
                 match self {
                     $(Self::$shape(shape) => shape.each_face(at, see)),*
                 }

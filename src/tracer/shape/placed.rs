@@ -131,7 +131,7 @@ impl Placed {
         met
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         self.shape.each_face_near(&at.before(&self.transform), see);
     }
 

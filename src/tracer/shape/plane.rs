@@ -126,9 +126,9 @@ impl Plane {
         f64::INFINITY
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let equation = FaceEquation::plane(at, self.point, self.normal);
-        see(at.face(0, &equation, FaceEdge::none));
+        see(&at.face(0, &equation, FaceEdge::none));
     }
 
     /// Returns a depth in the half-space that the normal points away from: above 0 inside, 0 on the

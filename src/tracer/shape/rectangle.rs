@@ -77,11 +77,11 @@ impl Rectangle {
         farthest_along(self.corners, direction)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let n = self.plane.normal();
         let equation = FaceEquation::plane(at, self.corner(), n);
         let edges = || FaceEdge::of_polygon(&self.corners, n, at.point);
-        see(at.face(0, &equation, edges));
+        see(&at.face(0, &equation, edges));
     }
 
     const fn halves(&self) -> [[DVec3; 3]; 2] {

@@ -173,14 +173,14 @@ impl Sphere {
         None
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         // The roots of the equation are as uncertain as the square of the distance.
         let away = at.origin - self.center;
         let equation = FaceEquation {
             more: 4.0 * f64::EPSILON * away.dot(away),
             ..FaceEquation::ball(at, self.center, self.radius)
         };
-        see(at.face(0, &equation, FaceEdge::none));
+        see(&at.face(0, &equation, FaceEdge::none));
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

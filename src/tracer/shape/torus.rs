@@ -123,7 +123,7 @@ impl Torus {
         self.tube_radius
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let q = at.point - self.center;
         let height = q.dot(self.axis);
         let across = q - height * self.axis;
@@ -135,7 +135,7 @@ impl Torus {
             size: self.center.abs() + self.radius + self.tube_radius,
             more: 0.0,
         };
-        see(at.face(0, &equation, FaceEdge::none));
+        see(&at.face(0, &equation, FaceEdge::none));
     }
 
     fn hull(&self) -> Around {

@@ -208,8 +208,8 @@ impl Triangle {
         })
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
-        see(triangle_face(at, 0, self.corners));
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
+        see(&triangle_face(at, 0, self.corners));
     }
 
     /// The corners.

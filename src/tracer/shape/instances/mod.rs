@@ -302,7 +302,7 @@ impl Instances {
         Passage::new(self, ray, leaving)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let mut test = |copy: usize| {
             let is_near = self.box_of(copy).is_none_or(|around| at.is_near(around));
             let Some(transform) = self.transform(copy).filter(|_| is_near) else {
@@ -312,7 +312,7 @@ impl Instances {
             for part in self.prototype.iter() {
                 part.shape.each_face_near(&at, &mut |found| {
                     let face = first + part.first + found.face;
-                    see(NearFace { face, ..found });
+                    see(&NearFace { face, ..*found });
                 });
             }
         };

@@ -192,14 +192,14 @@ impl Solid {
         (part as usize, face % Self::FACES_OF_PART)
     }
 
-    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(NearFace)) {
+    pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         for (part, first) in self
             .parts()
             .zip((0..).step_by(Self::FACES_OF_PART as usize))
         {
             part.each_face_near(at, &mut |found| {
                 let face = first + found.face;
-                see(NearFace { face, ..found });
+                see(&NearFace { face, ..*found });
             });
         }
     }
