@@ -39,9 +39,11 @@ impl<'a> Round<'a> {
     pub(super) fn distances<S: Simd>(self, simd: S, at: [S::F64; 3]) -> ([S::F64; 3], f64) {
         let (center, normal, radius) = match self {
             Self::Disc(disc) => (disc.center(), disc.normal(), None),
-            Self::Cylinder(cylinder) => {
-                (cylinder.from(), cylinder.unit_axis(), Some(cylinder.radius()))
-            }
+            Self::Cylinder(cylinder) => (
+                cylinder.from(),
+                cylinder.unit_axis(),
+                Some(cylinder.radius()),
+            ),
         };
         let size = center.abs().max_element();
         let (q, w) = (sub(at, splat3(simd, center)), splat3(simd, normal));

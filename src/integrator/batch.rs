@@ -450,7 +450,9 @@ impl<Q: Queries> ShadeRow<'_, Q> {
                 face: faces[lane],
             };
             let ray = ray_of(rays, lane);
-            let contact = self.world.contact(&ray, (index, crossing), |_, see| see(index));
+            let contact = self
+                .world
+                .contact(&ray, (index, crossing), |_, see| see(index));
             touching | u8::from(contact.is_some()) << lane
         })
     }

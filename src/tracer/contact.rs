@@ -14,7 +14,7 @@
 //! Glass that meets at a point is one interface: between the first solid of glass in the list that is left
 //! there, else air, and the first that is entered, else air. Where none is, the first pane counts.
 
-use std::{rc::Rc, slice};
+use std::{ops::Range, rc::Rc, slice};
 
 use glam::DVec3;
 
@@ -94,14 +94,12 @@ pub(crate) struct Passed {
     pub(crate) factor: Radiance,
 }
 
-/// The glass that a ray crosses at one point, in the order of the list.
+/// The glass that a ray crosses at one point: the first of each kind in the list.
 #[derive(Default)]
-struct Crossings {
+struct GlassCrossed {
     left: Option<(FaceId, Glass)>,
     entered: Option<(FaceId, Glass)>,
     pane: Option<(FaceId, Glass)>,
-    /// True if the face that was hit is one of those that are left or entered.
-    changes_own: Option<FaceId>,
 }
 
 impl World {
@@ -154,7 +152,9 @@ impl World {
 
     /// The same among all geometries: the definition.
     pub(crate) fn contact_among_all(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
-        self.contact(ray, hit, |_, see| (0..self.geometries().len()).for_each(see))
+        self.contact(ray, hit, |_, see| {
+            (0..self.geometries().len()).for_each(see)
+        })
     }
 
     /// Returns the hit of a ray at a `t` on a face.
@@ -211,66 +211,86 @@ impl World {
 
     /// Returns what a ray crosses at crossings that are one.
     fn crossed_together(&self, ray: &Ray, group: &[(FaceId, f64)]) -> Crossed {
-        let mut all: Vec<_> = group.to_vec();
+        let mut all: Vec<_> = group
+            .iter()
+            .map(|(id, t)| (*id, self.hit_on(ray, *t, *id)))
+            .collect();
         all.sort_by_key(|(id, _)| *id);
-        let mut found = Crossings::default();
-        let body_of = |id: &FaceId| {
-            (
-                id.geometry,
-                self.geometries()[id.geometry].shape().body(id.face),
-            )
-        };
-        for body in all.chunk_by(|(one, _), (other, _)| {
-            body_of(one) == body_of(other) && body_of(one).1 != Body::None
-        }) {
-            // How often it is entered more than left.
-            let mut depth = 0;
-            let mut first = None;
-            for (id, t) in body {
-                let hit = self.hit_on(ray, *t, *id);
-                let Some(glass) = hit.material().glass().copied() else {
-                    return Crossed::Opaque(*id);
-                };
-                depth += if hit.front_face { 1 } else { -1 };
-                first = first.or(Some((*id, glass)));
-            }
-            let Some(of_glass) = first else {
+        let normals: Vec<_> = all.iter().map(|(_, hit)| hit.normal).collect();
+        let shown = (0..all.len()).find(|place| !is_joint(&normals, *place));
+        let mut found = GlassCrossed::default();
+        for body in all.chunk_by(|(one, _), (other, _)| self.are_of_one(one, other)) {
+            let Some((id, hit)) = body.first() else {
                 continue;
             };
-            let is_thin = body.iter().any(|(id, _)| body_of(id).1 == Body::None);
-            found.add(of_glass, if is_thin { None } else { Some(depth) });
+            let glass = hit.material().glass().copied();
+            if glass.is_none() || body.iter().any(|(_, hit)| hit.material().glass().is_none()) {
+                return Crossed::Opaque(*id);
+            }
+            let depth = match self.body_of(id) {
+                Body::None => None,
+                // How often it is entered more than left.
+                _ => Some(
+                    body.iter()
+                        .map(|(_, hit)| if hit.front_face { 1 } else { -1 })
+                        .sum(),
+                ),
+            };
+            found.add(*id, glass, depth);
         }
-        found.crossed(None)
+        found.crossed(shown.map(|place| all[place].0))
+    }
+
+    fn body_of(&self, id: &FaceId) -> Body {
+        self.geometries()[id.geometry].shape().body(id.face)
+    }
+
+    /// Returns true if two faces bound the same body.
+    fn are_of_one(&self, one: &FaceId, other: &FaceId) -> bool {
+        let body = self.body_of(one);
+        one.geometry == other.geometry && body != Body::None && body == self.body_of(other)
     }
 }
 
-impl Crossings {
-    /// Adds glass that is crossed: a pane, or a solid that is entered (above 0), left (below 0), or neither.
-    fn add(&mut self, glass: (FaceId, Glass), depth: Option<i32>) {
+/// Returns true if another face lies against the one at a place, turned the other way: then it shows only
+/// if no other face does.
+fn is_joint(normals: &[DVec3], place: usize) -> bool {
+    let is_against = |n: &DVec3| normals[place].dot(*n) < 0.0 && are_parallel(normals[place], *n);
+    normals.iter().any(is_against)
+}
+
+/// Returns true if two unit vectors are parallel.
+fn are_parallel(one: DVec3, other: DVec3) -> bool {
+    one.cross(other).length() <= PARALLEL
+}
+
+impl GlassCrossed {
+    /// Adds glass that is crossed at a face: a pane, or a solid that is entered (above 0), left (below 0), or
+    /// neither.
+    fn add(&mut self, face: FaceId, glass: Option<Glass>, depth: Option<i32>) {
         let place = match depth {
             None => &mut self.pane,
             Some(1..) => &mut self.entered,
             Some(..0) => &mut self.left,
             Some(0) => return,
         };
-        place.get_or_insert(glass);
+        *place = place.or(glass.map(|glass| (face, glass)));
     }
 
-    /// Returns what is crossed. The normal is that of the face that was hit, if it is crossed.
-    fn crossed(&self, own: Option<FaceId>) -> Crossed {
+    /// Returns what is crossed, with the normal of a face if that is given.
+    fn crossed(&self, shown: Option<FaceId>) -> Crossed {
         let solids = [self.left, self.entered].into_iter().flatten();
         let first = solids.map(|(face, _)| face).min();
-        let interface = match (first, self.pane) {
+        Crossed::Glass(match (first, self.pane) {
             (Some(first), _) => Interface {
-                face: own.or(self.changes_own).unwrap_or(first),
+                face: shown.unwrap_or(first),
                 before: self.left.map(|(_, glass)| glass),
                 behind: self.entered.map(|(_, glass)| glass),
                 is_pane: false,
             },
             (None, Some((face, glass))) => Interface::pane(face, glass),
             (None, None) => return Crossed::Nothing,
-        };
-        Crossed::Glass(interface)
+        })
     }
 }
 
@@ -416,72 +436,45 @@ impl Start {
 }
 
 impl Contact {
+    /// Returns what a ray crosses that begins at the point, or what is seen there along the arriving ray.
     fn crossed(&self, world: &World, start: &Start, l: DVec3, is_seen: bool) -> Crossed {
-        let mut found = Crossings::default();
-        let mut opaque = None;
-        let body_of = |id: &FaceId| {
-            let shape = world.geometries()[id.geometry].shape();
-            (id.geometry, shape.body(id.face))
-        };
-        let mut first = 0;
-        for ids in self
-            .ids
-            .chunk_by(|one, other| body_of(one) == body_of(other) && body_of(one).1 != Body::None)
-        {
+        let (mut found, mut opaque, mut own, mut first) = (GlassCrossed::default(), None, None, 0);
+        for ids in self.ids.chunk_by(|one, other| world.are_of_one(one, other)) {
             let faces = first..first + ids.len();
             first += ids.len();
-            let Some(id) = ids.first() else {
-                continue;
-            };
-            let is_crossed = |place: &usize| is_seen || self.crosses(*place, start, l);
-            let body = body_of(id).1;
-            let (place, depth) = match body {
-                Body::Solid(first) => match self.change(world, start, l, (id.geometry, first)) {
-                    0 => continue,
-                    depth => (
-                        self.place_of(world, faces, start, (l, depth, is_seen)),
-                        Some(depth),
-                    ),
-                },
-                Body::Mesh(_) => {
-                    let mut crossed = faces.filter(is_crossed);
-                    let along = |place: usize| self.faces[place].normal.dot(l);
-                    let all: Vec<usize> = crossed.by_ref().collect();
-                    let Some(place) = all.first().copied() else {
-                        continue;
-                    };
-                    let own = all
-                        .iter()
-                        .copied()
-                        .find(|place| self.ids[*place] == start.own);
-                    let place = own.unwrap_or(place);
-                    let agree = all
-                        .iter()
-                        .all(|other| (along(*other) < 0.0) == (along(place) < 0.0));
-                    let depth = if along(place) < 0.0 { 1 } else { -1 };
-                    (place, Some(if agree { depth } else { 0 }))
-                }
-                Body::None => match faces.clone().find(is_crossed) {
-                    Some(place) => (place, None),
-                    None => continue,
-                },
-            };
-            let id = self.ids[place];
-            match self.hit(world, place).material().glass().copied() {
-                Some(glass) => {
-                    if id == start.own && depth.is_some_and(|depth| depth != 0) {
-                        found.changes_own = Some(id);
+            let crossed = faces
+                .clone()
+                .filter(|place| is_seen || self.crosses(*place, start, l));
+            let mut into = crossed.map(|place| self.faces[place].normal.dot(l) < 0.0);
+            let depth = match (world.body_of(&ids[0]), into.next()) {
+                (Body::None | Body::Mesh(_), None) => continue,
+                (Body::None, Some(_)) => None,
+                // The triangles agree, or it is only grazed.
+                (Body::Mesh(_), Some(first)) => Some(match into.all(|other| other == first) {
+                    true if first => 1,
+                    true => -1,
+                    false => 0,
+                }),
+                (Body::Solid(first), _) => {
+                    match self.change(world, start, l, (ids[0].geometry, first)) {
+                        0 => continue,
+                        depth => Some(depth),
                     }
-                    found.add((id, glass), depth);
                 }
-                None => {
-                    opaque.get_or_insert(id);
-                }
+            };
+            let place = self.face_of(world, faces, start, (l, depth, is_seen));
+            let id = self.ids[place];
+            let glass = self.hit(world, place).material().glass().copied();
+            match glass {
+                None => opaque = opaque.or(Some(id)),
+                Some(_) if !matches!(depth, None | Some(0)) && id == start.own => own = Some(id),
+                Some(_) => {}
             }
+            found.add(id, glass, depth);
         }
         match opaque {
             Some(id) => Crossed::Opaque(id),
-            None => found.crossed(None),
+            None => found.crossed(own),
         }
     }
 
@@ -503,21 +496,28 @@ impl Contact {
         is_inside(l, Side::After) - is_inside(start.along, start.side)
     }
 
-    /// Returns the face at which a solid is crossed: of several, the first that is turned to where the ray
-    /// comes from.
-    fn place_of(
+    /// Returns the face at which a body is crossed: the one that was hit, if it is seen there, else the first
+    /// that is turned to where the ray comes from. A joint gives way to others.
+    fn face_of(
         &self,
         world: &World,
-        faces: std::ops::Range<usize>,
+        faces: Range<usize>,
         start: &Start,
-        (l, depth, is_seen): (DVec3, i32, bool),
+        (l, depth, is_seen): (DVec3, Option<i32>, bool),
     ) -> usize {
-        let own = faces.clone().find(|place| self.ids[*place] == start.own);
-        let turned = faces.clone().find(|place| {
+        let normals: Vec<_> = self.faces.iter().map(|face| face.normal).collect();
+        let rank = |place: &usize| {
             let along = self.hit(world, *place).normal.dot(l);
-            if depth > 0 { along < 0.0 } else { along > 0.0 }
-        });
-        own.filter(|_| is_seen).or(turned).unwrap_or(faces.start)
+            let is_turned =
+                depth.is_none_or(|depth| if depth > 0 { along < 0.0 } else { along > 0.0 });
+            let is_own = is_seen && self.ids[*place] == start.own;
+            match is_own || is_turned {
+                true => (u8::from(is_joint(&normals, *place)), !is_own),
+                false => (2, true),
+            }
+        };
+        let first = faces.start;
+        faces.min_by_key(rank).unwrap_or(first)
     }
 
     /// Returns true if a ray crosses a face without thickness at its origin.
@@ -528,7 +528,7 @@ impl Contact {
             .binary_search(&start.own)
             .map(|own| self.faces[own].normal);
         let is_own = self.ids[place] == start.own;
-        let is_parallel = own.is_ok_and(|own| own.cross(face.normal).length() <= PARALLEL);
+        let is_parallel = own.is_ok_and(|own| are_parallel(own, face.normal));
         let before = match start.side {
             Side::Before => start.along,
             Side::After => -start.along,

@@ -21,8 +21,8 @@ use crate::{
     accel::{
         bvh::build::Builder,
         kept::{WorldOfFrame, built},
-        round::Round,
         lanes::abs,
+        round::Round,
         shadow::{
             casters::{Casters, Toward},
             meet::MANY,
@@ -105,9 +105,8 @@ impl<'a, S: Simd> Points<'a, S> {
         let mut near = simd.mask(self.asked);
         for axis in 0..3 {
             let at = self.at[axis];
-            near = near
-                & simd.splat(low[axis]).le(at + reach)
-                & at.le(simd.splat(high[axis]) + reach);
+            near =
+                near & simd.splat(low[axis]).le(at + reach) & at.le(simd.splat(high[axis]) + reach);
         }
         near.bits()
     }
