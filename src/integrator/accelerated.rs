@@ -10,7 +10,7 @@ use crate::{
     },
     integrator::direct::Queries,
     tracer::{
-        contact::{Contact, Start},
+        contact::{Contact, Departure},
         material::lobes::LightOfMaterials,
         radiance::Radiance,
         ray::Ray,
@@ -77,7 +77,7 @@ impl Queries for Accelerated<'_> {
         self.world.0.contact(ray, hit, each)
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
         match self.hierarchy.get() {
             Some(hierarchy) => hierarchy.transmission(self.world.0, ray, t_max, start),
             None => self.world.0.transmission(ray, t_max, start),

@@ -17,7 +17,7 @@ use crate::{
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
-        contact::Start,
+        contact::Departure,
         light::{
             Light,
             falloff::{Fading, Falloff},
@@ -477,7 +477,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
                 .queries
                 .contact(&arriving, (geometry, Crossing { t, face }));
             let own = FaceId { geometry, face };
-            let start = Start::at_hit(own, contact.map(Rc::new), arriving.direction());
+            let start = Departure::at_hit(own, contact.map(Rc::new), arriving.direction());
             let ray = toward.ray(arriving.at(t));
             let transmission = self.queries.transmission(&ray, toward.t_max(), &start);
             match transmission {

@@ -14,7 +14,7 @@ use crate::{
     integrator::Integrate,
     tracer::{
         color::Color,
-        contact::{Contact, Crossed, Interface, Start},
+        contact::{Contact, Crossed, Departure, Interface},
         hit::Hit,
         light::{Arriving, Light, ShadowRay},
         material::{
@@ -43,7 +43,7 @@ pub(crate) trait Queries {
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact>;
 
     /// Returns [`World::transmission`].
-    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance;
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance;
 
     /// Returns [`World::brightest`].
     fn brightest(&self) -> f64;
@@ -99,7 +99,7 @@ impl Queries for World {
         self.contact_among_all(ray, hit)
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
         World::transmission(self, ray, t_max, start)
     }
 
@@ -162,7 +162,7 @@ pub(crate) struct Direct<'a, Q> {
 pub(crate) struct Path<'a> {
     pub(crate) ray: Ray,
     /// Where it begins, unless it is that of a camera.
-    pub(crate) start: Option<Start>,
+    pub(crate) start: Option<Departure>,
     /// The number of reflections and refractions before it.
     pub(crate) depth: u32,
     /// The part of its light that arrives at the camera.
@@ -207,7 +207,7 @@ pub(crate) struct Surface<'a> {
     /// The unit normal on the side of the viewer.
     pub(crate) n: DVec3,
     /// Where rays begin that it sends back, once that is asked.
-    start: OnceCell<Start>,
+    start: OnceCell<Departure>,
 }
 
 /// A ray that goes straight on where surfaces meet, no deeper than the one before it.
@@ -235,7 +235,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns the surface of another face that its point lies on.
-    fn on(&self, world: &'a World, start: &Start, id: FaceId) -> Self {
+    fn on(&self, world: &'a World, start: &Departure, id: FaceId) -> Self {
         Self {
             start: OnceCell::from(start.on(id)),
             ..Self::new(world, self.path, self.hit.t, id)
@@ -244,7 +244,7 @@ impl<'a> Surface<'a> {
 
     /// Returns the path of the light that arrives along a direction and leaves, times a factor,
     /// along this path.
-    fn onward(&self, direction: DVec3, factor: Radiance, start: Start) -> Path<'static> {
+    fn onward(&self, direction: DVec3, factor: Radiance, start: Departure) -> Path<'static> {
         Path {
             ray: Ray::new(self.hit.point, direction),
             start: Some(start),
@@ -255,7 +255,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns the ray that goes straight on.
-    fn straight(&self, factor: Radiance, start: &Start) -> Straight {
+    fn straight(&self, factor: Radiance, start: &Departure) -> Straight {
         let direction = self.path.ray.direction();
         let path = Path {
             depth: self.path.depth,
@@ -364,7 +364,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
                 }
             }
         }
-        let left = path.start.as_ref().map_or(&[][..], Start::left);
+        let left = path.start.as_ref().map_or(&[][..], Departure::left);
         let Some((geometry, Crossing { t, face })) = self.queries.nearest(&path.ray, left) else {
             return Ok(self.background);
         };
@@ -409,7 +409,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     }
 
     /// Returns where rays begin that a surface sends back.
-    fn start<'s>(&self, surface: &'s Surface) -> &'s Start {
+    fn start<'s>(&self, surface: &'s Surface) -> &'s Departure {
         surface.start.get_or_init(|| {
             let (ray, index) = (&surface.path.ray, surface.index);
             let (t, face) = (surface.hit.t, surface.hit.face);
@@ -418,7 +418,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
                 geometry: index,
                 face,
             };
-            Start::at_hit(own, contact.map(Rc::new), ray.direction())
+            Departure::at_hit(own, contact.map(Rc::new), ray.direction())
         })
     }
 

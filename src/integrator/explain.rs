@@ -14,7 +14,7 @@ use crate::{
     },
     tracer::{
         color::Color,
-        contact::{Contact, Passed, Start},
+        contact::{Contact, Departure, Passed},
         light::{Arriving, Light},
         material::parameters::Parameter,
         radiance::Radiance,
@@ -131,7 +131,7 @@ impl Queries for Listener<'_> {
         self.world.brightest()
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+    fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
         let transmission = self.world.transmission(ray, t_max, start);
         self.at_light(|light| {
             self.world.each_in_the_way(ray, t_max, start, |passed| {
@@ -153,7 +153,7 @@ impl Queries for Listener<'_> {
         match step {
             Step::Ray(path) => self.open.borrow_mut().push(TracedRay {
                 ray: path.ray,
-                own: path.start.as_ref().map(Start::own),
+                own: path.start.as_ref().map(Departure::own),
                 depth: path.depth,
                 factor: path.factor,
                 end: RayEnd::Background,

@@ -53,7 +53,7 @@ pub(crate) struct Contact {
 
 /// Where a ray begins: on the faces that its origin lies on, and on one side of each.
 #[derive(Clone, Debug)]
-pub(crate) struct Start {
+pub(crate) struct Departure {
     /// The face that was hit.
     own: FaceId,
     /// All of the faces, if there are more.
@@ -164,7 +164,7 @@ impl World {
     }
 
     /// Returns what is in the way of light at the origin of a ray.
-    pub(crate) fn at_origin(&self, ray: &Ray, start: &Start) -> Option<Passed> {
+    pub(crate) fn at_origin(&self, ray: &Ray, start: &Departure) -> Option<Passed> {
         let hit = |face| self.hit_on(ray, 0.0, face);
         let (face, factor) = match start.crossed(self, ray.direction()) {
             Crossed::Nothing => return None,
@@ -377,7 +377,7 @@ impl Interface {
     }
 }
 
-impl Start {
+impl Departure {
     /// Creates the start of rays that a surface sends back, or to lights, where a ray has arrived along a
     /// direction.
     pub(crate) fn at_hit(own: FaceId, contact: Option<Rc<Contact>>, along: DVec3) -> Self {
@@ -437,7 +437,7 @@ impl Start {
 
 impl Contact {
     /// Returns what a ray crosses that begins at the point, or what is seen there along the arriving ray.
-    fn crossed(&self, world: &World, start: &Start, l: DVec3, is_seen: bool) -> Crossed {
+    fn crossed(&self, world: &World, start: &Departure, l: DVec3, is_seen: bool) -> Crossed {
         let (mut found, mut opaque, mut own, mut first) = (GlassCrossed::default(), None, None, 0);
         for ids in self.ids.chunk_by(|one, other| world.are_of_one(one, other)) {
             let faces = first..first + ids.len();
@@ -482,7 +482,7 @@ impl Contact {
     fn change(
         &self,
         world: &World,
-        start: &Start,
+        start: &Departure,
         l: DVec3,
         (geometry, first): (usize, u64),
     ) -> i32 {
@@ -502,7 +502,7 @@ impl Contact {
         &self,
         world: &World,
         faces: Range<usize>,
-        start: &Start,
+        start: &Departure,
         (l, depth, is_seen): (DVec3, Option<i32>, bool),
     ) -> usize {
         let normals: Vec<_> = self.faces.iter().map(|face| face.normal).collect();
@@ -521,7 +521,7 @@ impl Contact {
     }
 
     /// Returns true if a ray crosses a face without thickness at its origin.
-    fn crosses(&self, place: usize, start: &Start, l: DVec3) -> bool {
+    fn crosses(&self, place: usize, start: &Departure, l: DVec3) -> bool {
         let face = &self.faces[place];
         let own = self
             .ids

@@ -230,7 +230,7 @@ mod tests {
     use super::*;
     use crate::tracer::{
         colormap::{Colormap, scale::ColorScale},
-        contact::Start,
+        contact::Departure,
         material::{Emissive, glass::Glass},
         shape::{cuboid::Cuboid, face::FaceId, mesh::Mesh, plane::Plane, sphere::Sphere},
         world::World,
@@ -328,7 +328,7 @@ mod tests {
         for degrees in [0.0, 45.0, 60.0, 75.0, 85.0_f64] {
             let (sin, cos) = libm::sincos(degrees * (std::f64::consts::PI / 180.0));
             let ray = Ray::new(DVec3::NEG_Y, DVec3::new(sin, cos, 0.0));
-            let start = Start::at_hit(FaceId::of_shape(0), None, DVec3::NEG_Y);
+            let start = Departure::at_hit(FaceId::of_shape(0), None, DVec3::NEG_Y);
             let light = world
                 .transmission(&ray, f64::INFINITY, &start)
                 .max_channel();

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     color::Color,
-    contact::{Passed, Start},
+    contact::{Departure, Passed},
     geometry::Geometry,
     hit::Hit,
     light::Light,
@@ -326,7 +326,7 @@ impl World {
             geometry: index,
             face,
         };
-        Start::at_hit(own, contact.map(Rc::new), ray.direction())
+        Departure::at_hit(own, contact.map(Rc::new), ray.direction())
             .left()
             .into()
     }
@@ -354,7 +354,7 @@ impl World {
     /// Returns the part of the light that comes through along a ray with `0 <= t < t_max`: none if
     /// something opaque is in the way, and the product of what each crossing of glass lets through,
     /// from near to far.
-    pub(crate) fn transmission(&self, ray: &Ray, t_max: f64, start: &Start) -> Radiance {
+    pub(crate) fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
         self.transmission_among(ray, t_max, start, 0..self.geometries.len())
     }
 
@@ -363,7 +363,7 @@ impl World {
         &self,
         ray: &Ray,
         t_max: f64,
-        start: &Start,
+        start: &Departure,
         among: impl Iterator<Item = usize>,
     ) -> Radiance {
         let mut light = match self.at_origin(ray, start) {
@@ -395,7 +395,7 @@ impl World {
         &self,
         ray: &Ray,
         t_max: f64,
-        start: &Start,
+        start: &Departure,
         mut see: impl FnMut(Passed),
     ) {
         self.at_origin(ray, start).into_iter().for_each(&mut see);

@@ -30,7 +30,7 @@ use crate::{
     parallel::Pool,
     simd::isa::Isa,
     tracer::{
-        contact::Start,
+        contact::Departure,
         hit::Hit,
         radiance::Radiance,
         ray::Ray,
@@ -223,7 +223,7 @@ impl Hierarchy {
         world: &World,
         ray: &Ray,
         t_max: f64,
-        start: &Start,
+        start: &Departure,
     ) -> Radiance {
         let (geometries, left) = (world.geometries(), start.left());
         // All glass that the ray crosses.

@@ -18,7 +18,7 @@ use crate::{
     simd::{F64x8, Kernel, LANES, Simd, isa::Isa},
     tracer::{
         color::Color,
-        contact::Start,
+        contact::Departure,
         geometry::Geometry,
         material::{Glass, Material},
         radiance::Radiance,
@@ -148,7 +148,7 @@ struct Seen {
     ray: Ray,
     t: f64,
     /// Where rays begin there; `None` if nothing is asked of it.
-    start: Option<Start>,
+    start: Option<Departure>,
 }
 
 /// The points that a camera sees, row by row, and some others.
@@ -173,7 +173,7 @@ fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Vec<Seen> 
             let is_alone = world.contact(&ray, at, |_, see| see(geometry)).is_none();
             let contact = world.contact_among_all(&ray, at).map(Rc::new);
             let own = FaceId { geometry, face };
-            is_alone.then(|| Start::at_hit(own, contact, ray.direction()))
+            is_alone.then(|| Departure::at_hit(own, contact, ray.direction()))
         });
         let t = hit.map_or(f64::NAN, |(_, hit)| hit.t);
         points.push(Seen { ray, t, start });
@@ -249,7 +249,13 @@ impl Kernel for Ask<'_> {
 }
 
 /// Returns true if a geometry that casts shadows is in the way.
-fn is_dark(world: &World, casters: Casters, toward: Toward, start: &Start, point: DVec3) -> bool {
+fn is_dark(
+    world: &World,
+    casters: Casters,
+    toward: Toward,
+    start: &Departure,
+    point: DVec3,
+) -> bool {
     let (ray, t_max) = (toward.ray(point), toward.t_max());
     let at_origin = world.at_origin(&ray, start);
     let mut all = world.geometries().iter().enumerate();
