@@ -194,16 +194,12 @@ impl Index for Copies {
     }
 
     fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {
-        let Some(Places {
-            frame, tree, lists, ..
-        }) = &self.places
-        else {
+        let Some(places) = &self.places else {
             return (0..self.count).for_each(see);
         };
         self.isa.run(NearBox {
-            tree,
-            lists,
-            around: frame.near(corners),
+            places,
+            around: places.frame.near(corners),
             see,
         });
     }
@@ -211,8 +207,7 @@ impl Index for Copies {
 
 /// The kernel that calls `see` with the copies near a box.
 struct NearBox<'a, 'b> {
-    tree: &'a Tree,
-    lists: &'a Lists,
+    places: &'a Places,
     around: [[f32; 3]; 2],
     see: &'b mut dyn FnMut(usize),
 }
@@ -222,9 +217,24 @@ impl Kernel for NearBox<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        self.tree.each_near(simd, self.around, |list| {
-            let copies = self.lists.of(list);
-            copies.for_each(|copy| (self.see)(copy as usize));
+        let [center, half] = self.around;
+        let is_near = |[low, high]: &[[f32; 3]; 2]| {
+            (0..3).all(|axis| {
+                low[axis] <= center[axis] + half[axis] && center[axis] - half[axis] <= high[axis]
+            })
+        };
+        let Places {
+            tree,
+            lists,
+            boxes,
+            firsts,
+            ..
+        } = self.places;
+        tree.each_near(simd, self.around, |list| {
+            let boxes = &boxes[firsts[list] as usize..];
+            let copies = lists.of(list).zip(boxes);
+            let near = copies.filter(|(_, around)| is_near(around));
+            near.for_each(|(copy, _)| (self.see)(copy as usize));
         });
     }
 }

@@ -115,30 +115,40 @@ impl World {
             geometry: index,
             face: crossing.face,
         };
-        let each_face = |point: &ContactPoint, see: &mut dyn FnMut(FaceId, &NearFace)| {
-            each(point.around(), &mut |geometry| {
-                let shape = self.geometries()[geometry].shape();
-                shape.each_face_near(point, &mut |near| {
-                    let face = near.face;
-                    see(FaceId { geometry, face }, near);
-                });
-            });
-        };
         // Nearly always, the point is far from all others.
         let point = ContactPoint::vague(ray, crossing.t);
-        let (mut distance, mut is_alone) = (0.0, true);
-        each_face(&point, &mut |id, near| match id == own {
-            true => distance = near.distance,
-            false => is_alone &= !near.is_touched,
+        let shape = self.geometries()[index].shape();
+        let has_faces = shape.has_faces();
+        let mut is_alone = true;
+        each(point.around(), &mut |geometry| {
+            if is_alone && (geometry != index || has_faces) {
+                let shape = self.geometries()[geometry].shape();
+                shape.each_face_near(&point, &mut |near| {
+                    let is_own = geometry == index && near.face == own.face;
+                    is_alone &= is_own || !near.is_touched;
+                });
+            }
         });
         if is_alone {
             return None;
         }
-        let mut all = Vec::new();
-        each_face(&point.at_distance(distance), &mut |id, near| {
-            if near.is_touched || id == own {
-                all.push((id, *near));
+        let mut distance = 0.0;
+        shape.each_face(&point, &mut |near| {
+            if near.face == own.face {
+                distance = near.distance;
             }
+        });
+        let point = point.at_distance(distance);
+        let mut all = Vec::new();
+        each(point.around(), &mut |geometry| {
+            let shape = self.geometries()[geometry].shape();
+            shape.each_face_near(&point, &mut |near| {
+                let face = near.face;
+                let id = FaceId { geometry, face };
+                if near.is_touched || id == own {
+                    all.push((id, *near));
+                }
+            });
         });
         all.sort_unstable_by_key(|(id, _)| *id);
         let (ids, faces): (Vec<_>, _) = all.into_iter().unzip();

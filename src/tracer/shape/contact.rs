@@ -237,8 +237,18 @@ impl ContactPoint {
 impl Shape {
     /// Calls `see` with each face and its place beside a point, if the point is near the shape.
     pub(crate) fn each_face_near(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
-        let around = self.around().as_ref().and_then(Around::bounds);
-        if around.is_none_or(|around| at.is_near(around)) {
+        let is_near = match self {
+            Self::Sphere(sphere) => {
+                let away = (at.point - sphere.center()).abs().max_element();
+                away <= sphere.radius() + at.reach
+            }
+            Self::Cuboid(cuboid) => at.is_near([cuboid.min(), cuboid.max()]),
+            _ => {
+                let around = self.around().as_ref().and_then(Around::bounds);
+                around.is_none_or(|around| at.is_near(around))
+            }
+        };
+        if is_near {
             self.each_face(at, see);
         }
     }
