@@ -206,6 +206,8 @@ pub(crate) struct Surface<'a> {
     pub(crate) v: DVec3,
     /// The unit normal on the side of the viewer.
     pub(crate) n: DVec3,
+    /// The shadow of each light, as far as it is known.
+    shadows: Option<&'a [Shadow]>,
     /// Where rays begin that it sends back, once that is asked.
     start: OnceCell<Departure>,
 }
@@ -218,7 +220,7 @@ struct Straight {
 }
 
 impl<'a> Surface<'a> {
-    fn new(world: &'a World, path: &'a Path, t: f64, id: FaceId) -> Self {
+    fn new(world: &'a World, path: &'a Path<'a>, t: f64, id: FaceId) -> Self {
         let hit = world.hit_on(&path.ray, t, id);
         Self {
             v: -unit(path.ray.direction()),
@@ -230,6 +232,7 @@ impl<'a> Surface<'a> {
             path,
             hit,
             index: id.geometry,
+            shadows: path.shadows,
             start: OnceCell::new(),
         }
     }
@@ -237,6 +240,8 @@ impl<'a> Surface<'a> {
     /// Returns the surface of another face that its point lies on.
     fn on(&self, world: &'a World, start: &Departure, id: FaceId) -> Self {
         Self {
+            // Those of the face that was hit may be others.
+            shadows: None,
             start: OnceCell::from(start.on(id)),
             ..Self::new(world, self.path, self.hit.t, id)
         }
@@ -512,7 +517,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the part of the light that comes through on a shadow ray.
     fn transmission(&self, surface: &Surface, number: usize, shadow: ShadowRay) -> Radiance {
-        match surface.path.shadows.map(|shadows| shadows[number]) {
+        match surface.shadows.map(|shadows| shadows[number]) {
             Some(Shadow::Lit) => return Radiance::WHITE,
             Some(Shadow::Dark) => return Radiance::BLACK,
             Some(Shadow::Glass) | None => {}

@@ -226,7 +226,8 @@ impl World {
             .map(|(id, t)| (*id, self.hit_on(ray, *t, *id)))
             .collect();
         all.sort_by_key(|(id, _)| *id);
-        let normals: Vec<_> = all.iter().map(|(_, hit)| hit.normal).collect();
+        let normals = all.iter().map(|(id, hit)| self.sided(id, hit.normal));
+        let normals: Vec<_> = normals.collect();
         let shown = (0..all.len()).find(|place| !is_joint(&normals, *place));
         let mut found = GlassCrossed::default();
         for body in all.chunk_by(|(one, _), (other, _)| self.are_of_one(one, other)) {
@@ -253,6 +254,14 @@ impl World {
 
     fn body_of(&self, id: &FaceId) -> Body {
         self.geometries()[id.geometry].shape().body(id.face)
+    }
+
+    /// Returns the normal of a face, and 0 if its sides are alike.
+    fn sided(&self, id: &FaceId, normal: DVec3) -> DVec3 {
+        match self.body_of(id) {
+            Body::None => DVec3::ZERO,
+            Body::Solid(_) | Body::Shell(_) => normal,
+        }
     }
 
     /// Returns true if two faces bound the same body.
@@ -342,7 +351,7 @@ impl Interface {
     /// Returns true if light goes on as if there were nothing, but for the color.
     pub(crate) fn is_joint(&self) -> bool {
         let [before, behind] = self.media();
-        self.before.is_some() && before == behind
+        self.before.is_some() && self.behind.is_some() && before == behind
     }
 
     /// The factor of light that comes through.
@@ -457,10 +466,10 @@ impl Contact {
                 .filter(|place| is_seen || self.crosses(*place, start, l));
             let mut into = crossed.map(|place| self.faces[place].normal.dot(l) < 0.0);
             let depth = match (world.body_of(&ids[0]), into.next()) {
-                (Body::None | Body::Mesh(_), None) => continue,
+                (Body::None | Body::Shell(_), None) => continue,
                 (Body::None, Some(_)) => None,
                 // The triangles agree, or it is only grazed.
-                (Body::Mesh(_), Some(first)) => Some(match into.all(|other| other == first) {
+                (Body::Shell(_), Some(first)) => Some(match into.all(|other| other == first) {
                     true if first => 1,
                     true => -1,
                     false => 0,
@@ -515,7 +524,10 @@ impl Contact {
         start: &Departure,
         (l, depth, is_seen): (DVec3, Option<i32>, bool),
     ) -> usize {
-        let normals: Vec<_> = self.faces.iter().map(|face| face.normal).collect();
+        let normals = self.ids.iter().zip(&self.faces);
+        let normals: Vec<_> = normals
+            .map(|(id, face)| world.sided(id, face.normal))
+            .collect();
         let rank = |place: &usize| {
             let along = self.hit(world, *place).normal.dot(l);
             let is_turned =

@@ -284,8 +284,8 @@ pub(crate) enum Body {
     None,
     /// A solid.
     Solid(u64),
-    /// What the triangles of a mesh enclose, if they do.
-    Mesh(u64),
+    /// What a surface encloses that may be open: a mesh, a cylinder or a cone without ends.
+    Shell(u64),
 }
 
 /// The extent of a shape.
@@ -431,18 +431,19 @@ impl Shape {
         match self {
             Self::Plane(_) => Body::None,
             Self::Solid(_) => Body::Solid(0),
-            Self::Mesh(_) => Body::Mesh(0),
+            Self::Mesh(_) => Body::Shell(0),
             Self::Placed(placed) => placed.shape().body(face),
             Self::Instances(copies) => {
                 copies
                     .part_of(face)
                     .map_or(Body::None, |(_, shape, inner)| match shape.body(inner) {
                         Body::None => Body::None,
-                        Body::Mesh(first) => Body::Mesh(face - inner + first),
+                        Body::Shell(first) => Body::Shell(face - inner + first),
                         Body::Solid(first) => Body::Solid(face - inner + first),
                     })
             }
-            shape => of_solid!(shape, _solid => Body::Solid(0), else Body::None),
+            shape if shape.is_flat() => Body::None,
+            shape => of_solid!(shape, _solid => Body::Solid(0), else Body::Shell(0)),
         }
     }
 
