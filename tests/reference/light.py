@@ -20,10 +20,11 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 import evaluate
-import meshes
-import shapes
 import solids
+import surfaces
+from contact import NONE, Faces, fresnel, listed
 from evaluate import optional, variant
+from surfaces import dots, units
 
 # A ray that brings less than this to the picture, even from the brightest light, is black.
 FAINT = 2.0**-12
@@ -48,364 +49,6 @@ def lin(color):
 def inverse(light):
     safe = np.maximum(light, 0.0031308)
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * safe ** (1.0 / 2.4) - 0.055)
-
-
-def dots(a, b):
-    return np.sum(a * b, axis=-1)
-
-
-def units(a):
-    return a / np.linalg.norm(a, axis=-1, keepdims=True)
-
-
-# ---------------------------------------------------------------------------------------------
-# Geometries: `roots` are the t of all crossings, the near one first
-# ---------------------------------------------------------------------------------------------
-
-
-class Ball:
-    is_pane = False
-
-    def __init__(self, fields):
-        self.center = np.array(fields["center"], float)
-        self.radius = float(fields["radius"])
-
-    def roots(self, o, d, own):
-        oc = o - self.center
-        a, b = dots(d, d), 2.0 * dots(oc, d)
-        # On the surface that a ray leaves, the constant term is 0.
-        c = np.where(own, 0.0, dots(oc, oc) - self.radius * self.radius)
-        s = np.sqrt(b * b - 4.0 * a * c)
-        near = np.where(own, np.nan, (-b - s) / (2.0 * a))
-        far = np.where(own, -b / a, (-b + s) / (2.0 * a))
-        return [positive(near), positive(far)]
-
-    def normal(self, p, d):
-        return units(p - self.center)
-
-    def planes(self):
-        return []
-
-    def same(self, other):
-        return (
-            isinstance(other, Ball)
-            and self.radius == other.radius
-            and np.array_equal(self.center, other.center)
-        )
-
-
-class Flat:
-    """A plane, or a disc if it has a radius."""
-
-    is_pane = True
-
-    def __init__(self, fields):
-        self.point = np.array(fields["center"] if "center" in fields else fields["point"], float)
-        self.long_normal = np.array(fields["normal"], float)
-        self.radius = float(fields.get("radius", math.inf))
-
-    def roots(self, o, d, own):
-        below = dots(d, self.long_normal)
-        t = dots(self.point - o, self.long_normal) / below
-        p = o + t[:, None] * d
-        inside = dots(p - self.point, p - self.point) <= self.radius * self.radius
-        return [positive(np.where((below != 0.0) & inside & ~own, t, np.nan))]
-
-    def normal(self, p, d):
-        return np.broadcast_to(units(self.long_normal), p.shape)
-
-    def planes(self):
-        return [(self.point, units(self.long_normal))]
-
-    def same(self, other):
-        return (
-            isinstance(other, Flat)
-            and not np.any(np.cross(self.long_normal, other.long_normal))
-            and dots(self.point - other.point, self.long_normal) == 0.0
-        )
-
-
-def positive(t):
-    """Returns t, infinity where there is no hit."""
-    return np.where((t > 0.0) & (t < math.inf), t, math.inf)
-
-
-class Patch(Flat):
-    """A rectangle or a triangle."""
-
-    def __init__(self, name, fields):
-        self.span, normal = shapes.SOLIDS[name](fields)
-        corner = fields["corner"] if name == "Rectangle" else fields["a"]
-        self.point = np.array(corner, float)
-        edges = ("edge_u", "edge_v") if name == "Rectangle" else ("b", "c")
-        u, v = (np.array(fields[edge], float) for edge in edges)
-        shift = 0.0 if name == "Rectangle" else self.point
-        self.long_normal = np.cross(u - shift, v - shift)
-
-    def roots(self, o, d, own):
-        t = np.full(len(o), np.nan)
-        for row in np.flatnonzero(~own):
-            span = self.span(tuple(map(float, o[row])), tuple(map(float, d[row])))
-            t[row] = span[0][0] if span else np.nan
-        return [positive(t)]
-
-
-class Facet(Patch):
-    """A triangle of a mesh; of a smooth one, with the normals of its corners."""
-
-    is_pane = False
-
-    def __init__(self, fields):
-        super().__init__("Triangle", fields)
-        self.corners = [np.array(fields[corner], float) for corner in "abc"]
-        self.smooth = None
-        self.mesh, self.face = None, None
-
-    def weights(self, p):
-        """The shares of the corners, from the areas between the point and two of them each."""
-        a, b, c = self.corners
-        sides = [(b - p, c - p), (c - p, a - p), (a - p, b - p)]
-        areas = [dots(np.cross(u, v), self.long_normal)[:, None] for u, v in sides]
-        return [area / sum(areas) for area in areas]
-
-    def light(self, p):
-        """Returns the linear first colors at some points, from those of the vertices."""
-        weights = np.concatenate(self.weights(p), axis=1)
-        return lin([meshes.color(self.mesh, self.face, each) for each in weights])
-
-    def normal(self, p, d):
-        flat = super().normal(p, d)
-        if self.smooth is None:
-            return flat
-        mean = sum(share * n for share, n in zip(self.weights(p), self.smooth))
-        along = (dots(mean, d) / dots(d, d))[:, None] * d
-        turned = mean - (1.0 + 2.0**-10) * along
-        is_right = (dots(mean, d) < 0.0) == (dots(flat, d) < 0.0)
-        return units(np.where(is_right[:, None], mean, turned))
-
-
-def facets(fields):
-    corners = [dict(zip("abc", face)) for face in shapes.faces_of(fields)]
-    has_area = [shapes.refusal("Triangle", each) is None for each in corners]
-    made = [Facet(each) for each, has in zip(corners, has_area) if has]
-    numbers = [face for face, has in zip(fields["triangles"], has_area) if has]
-    if "of_vertices" in fields:
-        for facet, face in zip(made, numbers):
-            facet.mesh, facet.face = fields, face
-    if fields.get("smooth"):
-        sums = np.zeros((len(fields["vertices"]), 3))
-        for facet, face in zip(made, numbers):
-            for corner in set(face):
-                sums[int(corner)] += facet.long_normal
-        for facet, face in zip(made, numbers):
-            facet.smooth = [units(sums[int(corner)]) for corner in face]
-    return made
-
-
-class Solid:
-    """A shape with an inside, or an open one. It knows its faces by the place of a point."""
-
-    is_pane = False
-
-    def __init__(self, name, fields):
-        others = ("color", "material", "name", "placed")
-        self.name = name
-        self.fields = {field: fields[field] for field in fields if field not in others}
-        self.span, _ = shapes.SOLIDS[name](fields)
-        self.is_open = fields.get("capped") is False
-
-    def roots(self, o, d, own):
-        both = np.full((4, len(o)), np.nan)
-        for row in range(len(o)):
-            span = self.span(tuple(map(float, o[row])), tuple(map(float, d[row])))
-            if span:
-                both[: len(span), row] = [math.nan if at is None else at[0] for at in span]
-        # A ray leaves from the end that is nearest to its start: it does not meet that one again,
-        # nor the other one of a convex shape unless it comes out there.
-        far = np.nan_to_num(np.abs(both), nan=math.inf)
-        left = far.argmin(axis=0)
-        both[left[own], np.flatnonzero(own)] = np.nan
-        if not self.is_open and self.name != "Torus":
-            both[0, own] = np.nan
-        return [positive(t) for t in both]
-
-    def normal(self, p, d):
-        return units(np.array([self.normal_at(point) for point in p]).reshape(-1, 3))
-
-    def normal_at(self, p):
-        fields = {k: np.array(v, float) for k, v in self.fields.items() if isinstance(v, (list, tuple))}
-        if self.name == "Box":
-            below, above = np.abs(p - fields["min"]), np.abs(p - fields["max"])
-            axis = np.minimum(below, above).argmin()
-            return (1.0 if above[axis] < below[axis] else -1.0) * np.eye(3)[axis]
-        if self.name == "Ellipsoid":
-            axes = fields["axes"]
-            squared = (axes * axes).sum(axis=1)
-            along = (axes @ (p - fields["center"])) / squared
-            return (along / squared) @ axes
-        if self.name == "Torus":
-            w, q = units(fields["axis"]), p - fields["center"]
-            across = q - (q @ w) * w
-            return q - self.fields["radius"] * units(across)
-        along = fields["to"] - fields["from"]
-        tall = math.sqrt(along @ along)
-        w = along / tall
-        q = p - fields["from"]
-        height = q @ w
-        across = q - height * w
-        if self.name == "Capsule":
-            return q if height < 0.0 else (p - fields["to"] if height > tall else across)
-        radius = self.fields["radius"]
-        slope = 0.0
-        if self.name == "Cone":
-            slope = (optional(self.fields, "top_radius", 0.0) - radius) / tall
-        away = math.sqrt(across @ across)
-        beside = abs(away - (radius + slope * height)) / math.hypot(1.0, slope)
-        if not self.is_open and min(abs(height), abs(height - tall)) < beside:
-            return -w if abs(height) < abs(height - tall) else w
-        return across / away - slope * w
-
-    def planes(self):
-        """Returns a point and the unit normal of each flat face."""
-        if self.name == "Box":
-            corners = (np.array(self.fields[corner], float) for corner in ("min", "max"))
-            return [(corner, axis) for corner in corners for axis in np.eye(3)]
-        if self.name in ("Cylinder", "Cone") and not self.is_open:
-            ends = [np.array(self.fields[end], float) for end in ("from", "to")]
-            return [(end, units(ends[1] - ends[0])) for end in ends]
-        return []
-
-    def same(self, other):
-        return isinstance(other, Solid) and (self.name, self.fields) == (other.name, other.fields)
-
-
-class Placed:
-    """A shape that is mapped by a matrix."""
-
-    def __init__(self, matrix, inner):
-        self.matrix, self.inner, self.is_pane = matrix, inner, inner.is_pane
-        self.shift = np.array([row[3] for row in matrix])
-        self.back = np.array(evaluate.inverse(matrix))
-
-    def roots(self, o, d, own):
-        return self.inner.roots((o - self.shift) @ self.back.T, d @ self.back.T, own)
-
-    def normal(self, p, d):
-        normal = self.inner.normal((p - self.shift) @ self.back.T, d @ self.back.T)
-        return units(normal @ self.back)
-
-    def planes(self):
-        return []
-
-    def same(self, other):
-        is_placed = isinstance(other, Placed) and self.matrix == other.matrix
-        return is_placed and self.inner.same(other.inner)
-
-
-class Whole:
-    """A solid that is put together from others: its parts, and the ends of the lines inside."""
-
-    def __init__(self, name, fields):
-        # The shape of each part, whether it is cut away, and the fields of its color.
-        self.parts = []
-        self.numbers = self.numbered(name, fields, False, {})
-        self.intervals = solids.intervals_of(*self.numbers)
-        self.last = None
-
-    def numbered(self, name, fields, is_cut, around):
-        """Returns a solid whose parts have numbers from 1 in place of colors."""
-        own = {key: fields[key] for key in ("color", "material") if fields.get(key) is not None} or around
-        bare = {key: fields[key] for key in fields if key not in ("color", "material")}
-        if name not in solids.COMBINED:
-            self.parts.append((shape_of(name, bare), is_cut, own))
-            return name, bare | {"color": len(self.parts)}
-
-        def operand(value, is_cut):
-            return dict([self.numbered(*variant(value), is_cut, own)])
-
-        if name != "Difference":
-            return name, bare | {"of": [operand(each, is_cut) for each in fields["of"]]}
-        of = operand(fields["of"], is_cut)
-        return name, bare | {"of": of, "minus": [operand(each, not is_cut) for each in fields["minus"]]}
-
-    def ends(self, o, d):
-        """Returns the t at which each ray may cross each part where the whole ends, at most four."""
-        if self.last is None or self.last[0] is not o or self.last[1] is not d:
-            found = np.full((len(self.parts), 4, len(o)), np.nan)
-            for row in range(len(o)):
-                spans = self.intervals(tuple(map(float, o[row])), tuple(map(float, d[row])), None)
-                for t, number in (end for span in spans for end in span):
-                    of_part = found[number - 1, :, row]
-                    of_part[np.isnan(of_part).argmax()] = t
-            self.last = o, d, found
-        return self.last[2]
-
-
-class Piece:
-    """A part of a solid that is put together, where the whole ends."""
-
-    is_pane = False
-
-    def __init__(self, whole, number):
-        self.whole, self.number = whole, number
-        self.part, self.is_cut, _ = whole.parts[number]
-
-    def roots(self, o, d, own):
-        return [at_start(positive(t), own) for t in self.whole.ends(o, d)[self.number]]
-
-    def normal(self, p, d):
-        normal = self.part.normal(p, d)
-        return -normal if self.is_cut else normal
-
-    def planes(self):
-        return self.part.planes()
-
-    def same(self, other):
-        return self.touches(other) and self.number == other.number
-
-    def touches(self, other):
-        """Returns true if both belong to the same solid, or to equal ones."""
-        return isinstance(other, Piece) and self.whole.numbers == other.whole.numbers
-
-
-def at_start(t, own):
-    """Returns t without what a ray meets where it starts."""
-    return np.where(own & (t < 1e-9), math.inf, t)
-
-
-def pieces(name, fields):
-    """Returns the parts of a solid that is put together from others, each with the fields of its color."""
-    whole = Whole(name, {key: fields[key] for key in fields if key != "placed"})
-    for number, (_, _, surface) in enumerate(whole.parts):
-        piece = Piece(whole, number)
-        yield (Placed(fields["placed"], piece) if "placed" in fields else piece), surface
-
-
-def touch(one, other):
-    """Returns true if a solid has a face in the plane of another shape's, or belongs to the same."""
-    while isinstance(one, Placed) and isinstance(other, Placed) and one.matrix == other.matrix:
-        one, other = one.inner, other.inner
-    if isinstance(one, Piece) and one.touches(other):
-        return True
-    if not any(isinstance(shape, (Solid, Piece)) for shape in (one, other)):
-        return False
-    return any(
-        np.allclose(np.cross(n, m), 0.0) and abs(dots(p - q, m)) < 1e-12
-        for p, n in one.planes()
-        for q, m in other.planes()
-    )
-
-
-SHAPES = {"Sphere": Ball, "Plane": Flat, "Disc": Flat}
-
-
-def shape_of(name, fields):
-    if "placed" in fields:
-        bare = {key: fields[key] for key in fields if key != "placed"}
-        return Placed(fields["placed"], shape_of(name, bare))
-    if name in SHAPES:
-        return SHAPES[name](fields)
-    return (Patch if name in ("Rectangle", "Triangle") else Solid)(name, fields)
 
 
 # ---------------------------------------------------------------------------------------------
@@ -442,15 +85,6 @@ def material_of(fields, named):
     return Material(kind, values)
 
 
-def fresnel(cos_i, ratio):
-    """Returns the unpolarized Fresnel factor and the cosine inside; ratio is n outside / n inside."""
-    sin2 = ratio**2 * (1.0 - cos_i**2)
-    cos_t = np.sqrt(np.maximum(0.0, 1.0 - sin2))
-    rs = (ratio * cos_i - cos_t) / (ratio * cos_i + cos_t)
-    rp = (cos_i - ratio * cos_t) / (cos_i + ratio * cos_t)
-    return np.where(sin2 >= 1.0, 1.0, (rs**2 + rp**2) / 2.0), cos_t
-
-
 # ---------------------------------------------------------------------------------------------
 # Light
 # ---------------------------------------------------------------------------------------------
@@ -459,30 +93,19 @@ def fresnel(cos_i, ratio):
 class World:
     def __init__(self, scene):
         named = optional(scene, "materials", {})
-        self.shapes, self.materials, owners = [], [], []
+        parts, bodies, materials, owners = [], [], [], []
         for number, geometry in enumerate(scene["geometries"]):
             name, fields = variant(geometry)
-            if name in solids.COMBINED:
-                parts = list(pieces(name, fields))
-            elif name == "Mesh":
-                place = (lambda facet: Placed(fields["placed"], facet)) if "placed" in fields else lambda facet: facet
-                parts = [(place(facet), fields) for facet in facets(fields)]
-            else:
-                parts = [(shape_of(name, fields), fields)]
-            self.shapes += [shape for shape, _ in parts]
-            self.materials += [material_of(surface, named) for _, surface in parts]
-            owners += [number] * len(parts)
-        # The geometry of each shape; the last one is that of no shape.
+            made = list(surfaces.triangles_of(fields)) if name == "Mesh" else [surfaces.shape_of(name, fields)]
+            for shape in made:
+                own = surfaces.colors_of(shape, fields)
+                materials += [material_of(each, named) for each in own]
+                owners += [number] * len(own)
+            parts += made
+            bodies += [number] * len(made)
+        self.faces, self.materials = Faces(parts, materials, bodies), materials
+        # The geometry of each face; the last one is that of no face.
         self.owners = np.array([*owners, -1])
-        self.same = np.array(
-            [[a.same(b) for b in self.shapes] + [False] for a in self.shapes]
-            + [[False] * (len(self.shapes) + 1)]
-        )
-        # A face of a solid may lie in the plane of another shape, where a ray starts at both.
-        self.touch = np.zeros_like(self.same)
-        for own, a in enumerate(self.shapes):
-            for index, b in enumerate(self.shapes):
-                self.touch[own, index] = own != index and touch(a, b)
         self.background = lin(optional(scene, "background", (0.0, 0.0, 0.0)))
         self.is_lit = scene.get("lights") is not None
         self.lights = [variant(light) for light in scene.get("lights") or []]
@@ -493,50 +116,10 @@ class World:
         exposure = float(optional(optional(scene, "image", {}), "exposure", 0.0))
         self.brightest = max([1.0, *intensities]) * 2.0**exposure
 
-    def roots(self, index, o, d, own):
-        roots = self.shapes[index].roots(o, d, self.same[own, index])
-        return [at_start(t, self.touch[own, index]) for t in roots]
-
-    def hit(self, o, d, own):
-        """Returns the index and the t of the nearest hits; index -1 where nothing is hit."""
-        nearest = np.full(len(o), math.inf)
-        found = np.full(len(o), -1)
-        for index in range(len(self.shapes)):
-            for t in self.roots(index, o, d, own):
-                nearer = t < nearest
-                nearest[nearer] = t[nearer]
-                found[nearer] = index
-        return found, nearest
-
-    def normals(self, found, p, d):
-        n = np.zeros_like(p)
-        for index in np.unique(found[found >= 0]):
-            rows = found == index
-            n[rows] = self.shapes[index].normal(p[rows], d[rows])
-        return n
-
-    def transmission(self, p, d, own, limit):
-        """Returns the part of the light that arrives at p from p + d, for each channel."""
-        part = np.ones((len(p), 3))
-        for index, material in enumerate(self.materials):
-            for t in self.roots(index, p, d, own):
-                between = t < limit
-                if material.kind != "Glass":
-                    part[between] = 0.0
-                elif between.any():
-                    at = p[between] + t[between, None] * d[between]
-                    f = self.crossing(index, at, d[between])
-                    part[between] *= (1.0 - f)[:, None] * material.color
-        return part
-
-    def crossing(self, index, at, d):
-        """Returns the Fresnel factor where a straight line crosses glass, as from outside."""
-        cos = dots(units(d), self.shapes[index].normal(at, d))
-        return fresnel(np.abs(cos), 1.0 / self.materials[index].ior)[0]
-
-    def incident(self, light, p, n, v, own):
+    def incident(self, light, start, n, v):
         """Returns I without n·l, and l; l is None for light from everywhere."""
         name, fields = light
+        p = start.p
         intensity = float(optional(fields, "intensity", 0.2 if name == "Ambient" else 1.0))
         power = intensity * lin(optional(fields, "color", "#ffffff"))
         arriving = np.broadcast_to(power, p.shape)
@@ -559,107 +142,145 @@ class World:
             # A surface that faces away is unlit anyway.
             facing = dots(n, l) > 0.0
             part = np.zeros_like(p)
-            part[facing] = self.transmission(p[facing], d[facing], own[facing], limit)
+            part[facing] = self.faces.transmission(start[facing], d[facing], limit)
             arriving = arriving * part
         return arriving, l
 
-    def radiance(self, o, d, own, weight, depth):
-        """Returns the light that arrives at o from the direction d, 0 for rays of little weight."""
-        light = np.zeros_like(o)
+    def radiance(self, start, d, weight, depth):
+        """Returns the light that arrives from the direction d, 0 for rays of little weight."""
+        light = np.zeros_like(d)
         bright = weight.max(axis=-1) * self.brightest >= FAINT
         if depth > self.max_depth:
             light[bright] = self.background
         elif bright.any():
-            rays = (o[bright], d[bright], own[bright])
-            found, t = self.hit(*rays)
-            light[bright] = self.seen(rays[0], rays[1], found, t, weight[bright], depth)
+            light[bright] = self.arriving(start[bright], d[bright], weight[bright], depth)
         return light
 
-    def seen(self, o, d, found, t, weight, depth):
-        light = np.tile(self.background, (len(o), 1))
-        for kind in sorted({material.kind for material in self.materials}):
-            indices = [i for i, material in enumerate(self.materials) if material.kind == kind]
-            rows = np.isin(found, indices)
-            if rows.any():
-                p = o[rows] + t[rows, None] * d[rows]
-                shade = getattr(self, kind.lower())
-                light[rows] = shade(p, d[rows], found[rows], weight[rows], depth)
+    def arriving(self, start, d, weight, depth):
+        light = np.tile(self.background, (len(d), 1))
+        # What a ray crosses where it starts comes before all others.
+        sense = self.faces.crossed(start, d)
+        here = sense.any(axis=1)
+        if here.any():
+            light[here] = self.seen(start[here], d[here], sense[here], weight[here], depth)
+        found, t = self.faces.hit(start, d)
+        rows = ~here & (found >= 0)
+        if rows.any():
+            arrived = self.faces.at(start.p[rows], d[rows], t[rows], found[rows])
+            sense = self.faces.crossed(arrived, d[rows], arrives=True)
+            # An opaque face that was hit stays what is seen, and glass that lies on nothing else.
+            only = ~self.faces.is_glass[arrived.own] | (arrived.contact.sum(axis=1) == 1)
+            leaves = dots(self.faces.normals(arrived.own, arrived.p, d[rows]), d[rows]) > 0.0
+            sense[only] = 0
+            sense[only, arrived.own[only]] = np.where(leaves, -1, 1)[only]
+            light[rows] = self.seen(arrived, d[rows], sense, weight[rows], depth)
+        return light
+
+    def seen(self, start, d, sense, weight, depth):
+        """Returns the light from P, where rays along d cross some faces."""
+        light = np.zeros_like(d)
+        face, sense = listed(sense)
+        opaque, *glass = self.faces.met(face, sense)
+        own = np.where(opaque == NONE, start.own, opaque)
+        kinds = np.array([material.kind for material in self.materials])[own]
+        kinds[opaque == NONE] = "Glass"
+        for kind in sorted(set(kinds)):
+            rows = kinds == kind
+            shade = getattr(self, kind.lower())
+            more = [each[rows] for each in glass] if kind == "Glass" else []
+            light[rows] = shade(start.of(own)[rows], d[rows], weight[rows], depth, *more)
         return light
 
     def gather(self, name, found):
         return np.array([getattr(material, name) for material in self.materials])[found]
 
-    def first(self, found, p):
+    def first(self, start):
         """Returns the first color of each hit."""
-        colors = self.gather("color", found)
-        for index in np.unique(found):
-            shape = self.shapes[index]
-            if getattr(shape, "mesh", None) is not None:
-                rows = found == index
-                colors[rows] = shape.light(p[rows])
+        colors = self.gather("color", start.own)
+        for index in np.unique(start.own):
+            face = self.faces.faces[index]
+            if face.light is not None:
+                rows = start.own == index
+                colors[rows] = lin(face.light(face.local(start.p[rows])))
         return colors
 
-    def facing(self, p, d, found):
+    def facing(self, start, d):
         """Returns the direction to the viewer, and the normal on that side."""
         v = -units(d)
-        n = self.normals(found, p, d)
+        n = self.faces.normals(start.own, start.p, d)
         return v, np.where(dots(n, d)[:, None] > 0.0, -n, n)
 
-    def mirrored(self, p, d, n, found, factor, weight, depth):
+    def mirrored(self, start, d, n, factor, weight, depth):
         turned = d - 2.0 * dots(d, n)[:, None] * n
-        return factor * self.radiance(p, turned, found, weight * factor, depth + 1)
+        return factor * self.radiance(start, turned, weight * factor, depth + 1)
 
-    def flat(self, p, d, found, weight, depth):
-        return self.first(found, p)
+    def flat(self, start, d, weight, depth):
+        return self.first(start)
 
-    def emissive(self, p, d, found, weight, depth):
-        return self.first(found, p) * self.gather("intensity", found)[:, None]
+    def emissive(self, start, d, weight, depth):
+        return self.first(start) * self.gather("intensity", start.own)[:, None]
 
-    def matte(self, p, d, found, weight, depth):
-        v, n = self.facing(p, d, found)
-        total = np.zeros_like(p)
+    def matte(self, start, d, weight, depth):
+        v, n = self.facing(start, d)
+        total = np.zeros_like(d)
         for light in self.lights:
-            arriving, l = self.incident(light, p, n, v, found)
+            arriving, l = self.incident(light, start, n, v)
             total += arriving if l is None else arriving * np.maximum(0.0, dots(n, l))[:, None]
-        return self.first(found, p) * total
+        return self.first(start) * total
 
-    def phong(self, p, d, found, weight, depth):
-        v, n = self.facing(p, d, found)
-        diffuse = self.matte(p, d, found, weight, depth)
-        highlights = np.zeros_like(p)
+    def phong(self, start, d, weight, depth):
+        v, n = self.facing(start, d)
+        diffuse = self.matte(start, d, weight, depth)
+        highlights = np.zeros_like(d)
         for light in self.lights:
-            arriving, l = self.incident(light, p, n, v, found)
+            arriving, l = self.incident(light, start, n, v)
             if l is None:
                 continue
             cos = dots(n, l)
             r = 2.0 * cos[:, None] * n - l
-            lobe = np.maximum(0.0, dots(r, v)) ** self.gather("exponent", found)
+            lobe = np.maximum(0.0, dots(r, v)) ** self.gather("exponent", start.own)
             highlights += arriving * np.where(cos > 0.0, lobe, 0.0)[:, None]
-        reflection = self.gather("reflection", found)
+        reflection = self.gather("reflection", start.own)
         return (
             diffuse
-            + self.gather("specular", found) * highlights
-            + self.mirrored(p, d, n, found, reflection, weight, depth)
+            + self.gather("specular", start.own) * highlights
+            + self.mirrored(start, d, n, reflection, weight, depth)
         )
 
-    def mirror(self, p, d, found, weight, depth):
-        _, n = self.facing(p, d, found)
-        return self.mirrored(p, d, n, found, self.gather("color", found), weight, depth)
+    def mirror(self, start, d, weight, depth):
+        _, n = self.facing(start, d)
+        return self.mirrored(start, d, n, self.gather("color", start.own), weight, depth)
 
-    def glass(self, p, d, found, weight, depth):
-        v, n = self.facing(p, d, found)
-        is_pane = np.array([shape.is_pane for shape in self.shapes])[found]
-        inside = ~is_pane & (dots(self.normals(found, p, d), d) > 0.0)
-        ior = self.gather("ior", found)
-        ratio = np.where(inside, ior, 1.0 / ior)
+    def glass(self, start, d, weight, depth, left, entered, changed, pane):
+        light = np.zeros_like(d)
+        n1, n2 = self.faces.indices(left), self.faces.indices(entered)
+        is_pane = (changed == NONE) & (pane != NONE)
+        # An edge that is only grazed, and a joint of equal glass, are no surfaces.
+        is_joint = np.maximum(left, entered) != NONE
+        straight = (changed == NONE) & ~is_pane | is_joint & (n1 == n2)
+        tint = self.faces.tint(left) * self.faces.tint(entered)
+        if straight.any():
+            rest = (start[straight].through(d[straight]), d[straight], weight[straight] * tint[straight])
+            light[straight] = tint[straight] * self.radiance(*rest, depth)
+        rows = np.flatnonzero(~straight)
+        if not len(rows):
+            return light
+        is_pane, tint, d, weight = is_pane[rows], tint[rows], d[rows], weight[rows]
+        own, face = start.own[rows], np.where(is_pane, pane[rows], changed[rows])
+        stays = np.where(own < 0, False, self.faces.body_of[own] == self.faces.body_of[face])
+        start = start[rows].of(np.where(stays & is_pane, own, face))
+        v, n = self.facing(start, d)
+        tint[is_pane] = self.faces.tint(pane[rows])[is_pane]
+        ratio = np.where(is_pane, 1.0 / self.faces.ior[start.own], n1[rows] / n2[rows])
         cos_i = dots(n, v)
         f, cos_t = fresnel(cos_i, ratio)
         bent = ratio[:, None] * -v + (ratio * cos_i - cos_t)[:, None] * n
         through = np.where(is_pane[:, None], d, bent)
-        passing = (1.0 - f)[:, None] * self.gather("color", found)
-        return self.mirrored(p, d, n, found, f[:, None], weight, depth) + passing * self.radiance(
-            p, through, found, weight * passing, depth + 1
-        )
+        passing = (1.0 - f)[:, None] * tint
+        reflected = self.mirrored(start, d, n, f[:, None], weight, depth)
+        refracted = self.radiance(start.through(d), through, weight * passing, depth + 1)
+        light[rows] = reflected + passing * refracted
+        return light
 
 
 def optional_name(fields, name, default):
@@ -720,7 +341,7 @@ def inked(world, grid, outlines, found, t):
     normals = np.zeros_like(grid.o)
     seen = found >= 0
     o, d = grid.o[seen], grid.d[seen]
-    normals[seen] = world.normals(found[seen], o + t[seen, None] * d, d)
+    normals[seen] = world.faces.normals(found[seen], o + t[seen, None] * d, d)
     steep = np.abs(dots(normals, grid.d)) / np.linalg.norm(grid.d, axis=1)
     rows, columns = grid.shape
     found = world.owners[found]
@@ -760,11 +381,12 @@ def inked(world, grid, outlines, found, t):
 def meets(world, grid, owners, places):
     """Returns where the ray of a sample meets a geometry, whatever lies before it."""
     met = np.zeros(len(places), bool)
-    for index in range(len(world.shapes)):
-        rays = np.flatnonzero(world.owners[index] == owners)
-        o, d = grid.o[places[rays]], grid.d[places[rays]]
-        for t in world.roots(index, o, d, np.full(len(rays), -1)):
-            met[rays] |= np.isfinite(t)
+    owner_of = world.owners[world.faces.first[:-1]]
+    for index, owner in enumerate(owner_of):
+        rays = np.flatnonzero(owner == owners)
+        start = world.faces.nowhere(grid.o[places[rays]])
+        t, _, _ = world.faces.ends(index, start, grid.d[places[rays]])
+        met[rays] |= np.isfinite(t).any(axis=0)
     return met
 
 
@@ -790,10 +412,10 @@ def evaluate_lit(scene):
     # Infinities and NaN are what they are in IEEE 754.
     np.seterr(all="ignore")
     world, grid, image = World(scene), Grid(scene), optional(scene, "image", {})
-    nowhere = np.full(len(grid.o), -1)
-    found, t = world.hit(grid.o, grid.d, nowhere)
+    start = world.faces.nowhere(grid.o)
+    found, t = world.faces.hit(start, grid.d)
     if world.is_lit:
-        light = world.seen(grid.o, grid.d, found, t, np.ones_like(grid.o), 0)
+        light = world.arriving(start, grid.d, np.ones_like(grid.o), 0)
     else:
         light = np.tile(world.background, (len(grid.o), 1))
         if world.materials:

@@ -2,7 +2,8 @@
 
 Each function takes the fields of a geometry and returns a function from a ray's origin and direction
 to the span of the ray inside: (t, face) where it enters and where it comes out. An open shape has two
-points of its side, which may be missing.
+points of its side, which may be missing. A ray that starts on some faces says so by `on`: their equations
+are 0 at its origin, whatever rounding makes of them.
 """
 
 import math
@@ -24,8 +25,9 @@ def both(one, other):
     return (enter, leave) if enter[0] <= leave[0] else None
 
 
-def between(low, high, up, faces):
+def between(low, high, up, faces, on=()):
     """Returns the span between two planes."""
+    low, high = (0.0 if face in on else end for end, face in zip((low, high), faces))
     if up == 0.0:
         return WHOLE if low <= 0.0 <= high else None
     ends = (low / up, faces[0]), (high / up, faces[1])
@@ -36,9 +38,11 @@ def ordered(one, other, face):
     return ((one, face), (other, face)) if one <= other else ((other, face), (one, face))
 
 
-def rounded(q, d, r, face):
+def rounded(q, d, r, face, on=()):
     """Returns the span of |q + t·d| <= r."""
     a_, h = dot(d, d), dot(q, d)
+    if face in on:
+        return WHOLE if a_ == 0.0 else ordered(0.0, -2.0 * h / a_, face)
     m = subtract(q, scaled(d, divide(h, a_)))
     discriminant = r * r - dot(m, m)
     c = dot(q, q) - r * r
@@ -59,9 +63,9 @@ class Axis:
     def across(self, v):
         return subtract(v, scaled(self.w, dot(v, self.w)))
 
-    def span(self, o, d):
+    def span(self, o, d, on=()):
         low, high = (dot(subtract(end, o), self.w) for end in (self.a, self.b))
-        return between(low, high, dot(d, self.w), (1, 2))
+        return between(low, high, dot(d, self.w), (1, 2), on)
 
 
 def cut(side, ends, capped):
@@ -77,9 +81,9 @@ def cylinder(fields):
     axis, r = Axis(fields), fields["radius"]
     capped = optional(fields, "capped", True)
 
-    def span(o, d):
+    def span(o, d, on=()):
         q = axis.across(subtract(o, axis.a))
-        return cut(rounded(q, axis.across(d), r, 0), axis.span(o, d), capped)
+        return cut(rounded(q, axis.across(d), r, 0, on), axis.span(o, d, on), capped)
 
     def normal(face, o, d, t):
         if face:
@@ -95,9 +99,9 @@ def cone(fields):
     slope = (optional(fields, "top_radius", 0.0) - r) / length(axis.along)
     capped = optional(fields, "capped", True)
 
-    def nappe(o, d):
+    def nappe(o, d, on):
         w = axis.w
-        m = divide(dot(subtract(axis.a, o), d), dot(d, d))
+        m = 0.0 if on else divide(dot(subtract(axis.a, o), d), dot(d, d))
         q = add(subtract(o, axis.a), scaled(d, m))
         height, rise = dot(q, w), dot(d, w)
         p, e = subtract(q, scaled(w, height)), subtract(d, scaled(w, rise))
@@ -107,6 +111,8 @@ def cone(fields):
         h = dot(p, e) - radius * growth
         c = dot(p, p) - radius * radius
         discriminant = dot(v, v) - dot(x, x)
+        if on:
+            c, discriminant = 0.0, h * h
         if a_ == 0.0:
             if h == 0.0:
                 return WHOLE if c <= 0.0 else None
@@ -119,10 +125,12 @@ def cone(fields):
         low, high = (m + min(one, other), 0), (m + max(one, other), 0)
         if a_ > 0.0:
             return low, high
+        if on:
+            low = high = (0.0, 0)
         return (high, WHOLE[1]) if growth > 0.0 else (WHOLE[0], low)
 
-    def span(o, d):
-        return cut(nappe(o, d), axis.span(o, d), capped)
+    def span(o, d, on=()):
+        return cut(nappe(o, d, 0 in on), axis.span(o, d, on), capped)
 
     def normal(face, o, d, t):
         if face:
@@ -137,10 +145,10 @@ def cone(fields):
 def capsule(fields):
     axis, r = Axis(fields), fields["radius"]
 
-    def span(o, d):
+    def span(o, d, on=()):
         q = axis.across(subtract(o, axis.a))
-        side = cut(rounded(q, axis.across(d), r, 0), axis.span(o, d), False)
-        balls = (rounded(subtract(o, axis.a), d, r, 1), rounded(subtract(o, axis.b), d, r, 2))
+        side = cut(rounded(q, axis.across(d), r, 0, on), axis.span(o, d), False)
+        balls = (rounded(subtract(o, end), d, r, face, on) for end, face in ((axis.a, 1), (axis.b, 2)))
         ends = [at for part in (side, *balls) if part for at in part if at]
         if not ends:
             return None
@@ -159,12 +167,12 @@ def capsule(fields):
 def box(fields):
     low, high = vector(fields["min"]), vector(fields["max"])
 
-    def slab(axis, o, d):
+    def slab(axis, o, d, on):
         faces = (2 * axis, 2 * axis + 1)
-        return between(low[axis] - o[axis], high[axis] - o[axis], d[axis], faces)
+        return between(low[axis] - o[axis], high[axis] - o[axis], d[axis], faces, on)
 
-    def span(o, d):
-        return both(both(slab(0, o, d), slab(1, o, d)), slab(2, o, d))
+    def span(o, d, on=()):
+        return both(both(slab(0, o, d, on), slab(1, o, d, on)), slab(2, o, d, on))
 
     def normal(face, o, d, t):
         return tuple((2.0 * (face % 2) - 1.0) * (axis == face // 2) for axis in range(3))
@@ -179,8 +187,8 @@ def ellipsoid(fields):
     def along(v):
         return tuple(divide(dot(v, axis), dot(axis, axis)) for axis in axes)
 
-    def span(o, d):
-        return rounded(along(subtract(o, center)), along(d), 1.0, 0)
+    def span(o, d, on=()):
+        return rounded(along(subtract(o, center)), along(d), 1.0, 0, on)
 
     def normal(face, o, d, t):
         x, y, z = add(along(subtract(o, center)), scaled(along(d), t))
@@ -195,7 +203,7 @@ def torus(fields):
     ring, tube = fields["radius"], fields["tube_radius"]
     ratio = tube / ring
 
-    def span(o, d):
+    def span(o, d, on=()):
         q, squared = subtract(o, center), dot(d, d)
         if not 0.0 < squared < math.inf:
             return None
@@ -210,7 +218,10 @@ def torus(fields):
         quartic = [1.0, 0.0, 2.0 * outer - 4.0 * (1.0 - g * g), 8.0 * h * g]
         quartic.append(outer * outer - 4.0 * (k - h * h))
         found = sorted(z.real for z in zeros(quartic) if abs(z.imag) < 1e-7)
-        return [(middle + s * (ring / length), 0) for s in found]
+        found = [middle + s * (ring / length) for s in found]
+        if on and found:
+            found[min(range(len(found)), key=lambda at: abs(found[at]))] = 0.0
+        return [(t, 0) for t in found]
 
     def normal(face, o, d, t):
         p = add(subtract(o, center), scaled(d, t))
@@ -272,8 +283,8 @@ def triangle(fields):
     a, b, c = (vector(fields[name]) for name in "abc")
     n = unit(cross(subtract(b, a), subtract(c, a)))
 
-    def span(o, d):
-        t = edges((a, b, c), o, d)
+    def span(o, d, on=()):
+        t = None if on else edges((a, b, c), o, d)
         return None if t is None else ((t, 0), None)
 
     return span, lambda face, o, d, t: n
@@ -309,9 +320,9 @@ def rectangle(fields):
     halves = [(a, add(a, u), opposite), (a, opposite, add(a, v))]
     n = unit(cross(u, v))
 
-    def span(o, d):
+    def span(o, d, on=()):
         above, down = dot(subtract(a, o), n), dot(d, n)
-        if down == 0.0 or all(edges(half, o, d) is None for half in halves):
+        if on or down == 0.0 or all(edges(half, o, d) is None for half in halves):
             return None
         return ((divide(above, down), 0), None)
 
