@@ -3,8 +3,8 @@
 
     random_lit.py PROGRAM [--count 200] [--seed 1] [--keep FOLDER]
 
-Scenes have all lights and materials, outlines, exposure, tone mapping and samples. Geometries touch
-and coincide. Scenes that differ are kept.
+Scenes have all lights and materials, outlines, exposure, tone mapping and samples. In half of them, half of
+the geometries touch or coincide. Scenes that differ are kept.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import light
 import shapes
 import solids
 from random_scenes import Scenes, target_of
+from touching import Touching
 
 
 def parts_of(solid):
@@ -82,7 +83,51 @@ class LitScenes(Scenes):
     def unit_direction(self):
         return [self.random.gauss(0.0, 1.0) for _ in range(3)]
 
+    def touching(self):
+        """Returns geometries of which half touch others, and where they do."""
+        source = Touching(self.random)
+        geometries, glass = [], self.unit_color()
+        for _ in range(self.random.randint(2, 8)):
+            kind, fields = source.first()
+            if geometries and self.chance(0.6):
+                kind, fields = source.beside(*next(iter(self.random.choice(geometries).items())))
+            fields = {key: fields[key] for key in fields if key not in ("color", "material")}
+            if self.chance(0.3):
+                fields["color"] = self.unit_color()
+            elif self.chance(0.5):
+                fields["material"] = {"Glass": {"color": glass, "ior": self.random.choice((1.5, 1.5, 1.33))}}
+            else:
+                fields["material"] = self.material()
+            geometries.append({kind: fields})
+        return geometries, source
+
+    def touching_scene(self):
+        geometries, source = self.touching()
+        scene = self.around(geometries)
+        scene["lights"] = scene["lights"][:2] + [{"Ambient": {}}, {"Directional": {"direction": source.sun()}}]
+        ((_, view),) = scene["camera"].items()
+        view["eye"] = [3.0 * x * source.unit for x in self.unit_direction()]
+        view["eye"][1] = abs(view["eye"][1]) + 3.0 * source.unit
+        if source.points and self.chance(0.5):
+            # The ray in the middle meets a point where geometries touch.
+            view["look_at"] = list(self.random.choice(source.points))
+            for side in ("width", "height"):
+                scene["image"][side] |= 1
+        if self.chance(0.3):
+            ((_, fields),) = geometries[0].items()
+            fields["name"] = "first"
+            copies = self.random.choice(([{}], [{}, {"translate": source.place()}]))
+            geometries.append({"Instances": {"of": "first", "transforms": copies}})
+        elif self.chance(0.4):
+            matrix = source.turned()
+            scene["geometries"] = [{"Group": {"geometries": geometries, "transform": {"matrix": matrix}}}]
+            for at in ("eye", "look_at"):
+                view[at] = [sum(a * b for a, b in zip(row, [*view[at], 1.0])) for row in matrix]
+        return scene
+
     def scene(self):
+        if self.chance(0.5):
+            return self.touching_scene()
         geometries = []
         for _ in range(self.random.randint(1, 8)):
             place = [self.random.choice((-2, -1, 0, 1, 2, self.random.uniform(-2, 2))) for _ in range(3)]
@@ -110,6 +155,10 @@ class LitScenes(Scenes):
             else:
                 fields["material"] = self.material()
             geometries.append({kind: fields})
+        return self.around(geometries)
+
+    def around(self, geometries):
+        """Returns a scene of geometries."""
         eye = [self.random.uniform(-6.0, 6.0) for _ in range(3)]
         view = {"eye": eye, "look_at": [self.random.uniform(-1.0, 1.0) for _ in range(3)]}
         if self.chance(0.3):
