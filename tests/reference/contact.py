@@ -56,10 +56,14 @@ def fresnel(cos_i, ratio):
 
 
 class Faces:
-    """All faces of a scene, in their order."""
+    """All faces of a scene, in their order.
 
-    def __init__(self, shapes, materials, bodies):
-        self.shapes, self.materials = shapes, materials
+    Of faces at distances that are equal but for rounding, the nearest is hit, or with a small `bias` the last,
+    or with a negative one the first.
+    """
+
+    def __init__(self, shapes, materials, bodies, bias):
+        self.shapes, self.bias = shapes, bias
         self.faces = [face for shape in shapes for face in shape.faces]
         self.first = np.cumsum([0] + [len(shape.faces) for shape in shapes])
         self.shape_of = np.repeat(np.arange(len(shapes)), np.diff(self.first))
@@ -109,7 +113,7 @@ class Faces:
         found = np.full(len(d), -1)
         for index in range(len(self.shapes)):
             for t, face, _ in zip(*self.ends(index, start, d)):
-                nearer = t < nearest
+                nearer = t < nearest * (1.0 + self.bias)
                 nearest[nearer], found[nearer] = t[nearer], face[nearer]
         return found, nearest
 

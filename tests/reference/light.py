@@ -91,7 +91,7 @@ def material_of(fields, named):
 
 
 class World:
-    def __init__(self, scene):
+    def __init__(self, scene, bias):
         named = optional(scene, "materials", {})
         parts, bodies, materials, owners = [], [], [], []
         for number, geometry in enumerate(scene["geometries"]):
@@ -103,7 +103,7 @@ class World:
                 owners += [number] * len(own)
             parts += made
             bodies += [number] * len(made)
-        self.faces, self.materials = Faces(parts, materials, bodies), materials
+        self.faces, self.materials = Faces(parts, materials, bodies, bias), materials
         # The geometry of each face; the last one is that of no face.
         self.owners = np.array([*owners, -1])
         self.background = lin(optional(scene, "background", (0.0, 0.0, 0.0)))
@@ -135,7 +135,9 @@ class World:
             limit = BEFORE_LIGHT
             if optional_name(fields, "falloff", "InverseSquare") == "InverseSquare":
                 arriving = arriving / dots(d, d)[:, None]
-        l = units(d)
+        # A light at p itself brings nothing.
+        away = dots(d, d)[:, None] > 0.0
+        l, arriving = np.where(away, units(d), v), np.where(away, arriving, 0.0)
         if name == "Spot":
             arriving = arriving * cone(fields, l)[:, None]
         if optional(fields, "shadows", True):
@@ -407,11 +409,11 @@ def neutral(c):
     return np.where(p < 0.76, c, pressed + (q - pressed) * g)
 
 
-def evaluate_lit(scene):
+def evaluate_lit(scene, bias=0.0):
     """Returns width, height and the bytes of the picture, from the top row downwards."""
     # Infinities and NaN are what they are in IEEE 754.
     np.seterr(all="ignore")
-    world, grid, image = World(scene), Grid(scene), optional(scene, "image", {})
+    world, grid, image = World(scene, bias), Grid(scene), optional(scene, "image", {})
     start = world.faces.nowhere(grid.o)
     found, t = world.faces.hit(start, grid.d)
     if world.is_lit:

@@ -51,7 +51,10 @@ class Touching:
             edges = {"edge_u": moved([0, 0, 0], self.length(), u), "edge_v": moved([0, 0, 0], self.length(), v)}
             return kind, {"corner": place} | edges
         name, box = self.box(place)
-        return "Union", {"of": [{name: box}, dict([self.beside_box(box)])]}
+        other = self.beside_box(box)
+        while other[0] != name:
+            other = self.beside_box(box)
+        return "Union", {"of": [{name: box}, dict([other])]}
 
     def box(self, low):
         return "Box", {"min": low, "max": [x + self.length() for x in low]}
@@ -92,7 +95,8 @@ class Touching:
         if kind == "Mesh":
             a, b, _ = self.random.choice(fields["triangles"])
             corners = [fields["vertices"][int(corner)] for corner in (a, b)]
-            return "Triangle", dict(zip("abc", [*corners, moved(corners[0], 1.0, self.place())]))
+            far = moved(corners[0], self.random.uniform(0.5, 2.0), self.axis())
+            return "Triangle", dict(zip("abc", [*corners, moved(far, self.unit, [0.3, 0.1, 0.2])]))
         if kind == "Difference":
             water = dict(fields["minus"][0]["Cylinder"])
             low, high = water["from"], water["to"]
