@@ -409,11 +409,15 @@ def neutral(c):
     return np.where(p < 0.76, c, pressed + (q - pressed) * g)
 
 
-def evaluate_lit(scene, bias=0.0):
-    """Returns width, height and the bytes of the picture, from the top row downwards."""
+def evaluate_lit(scene, bias=0.0, aside=0.0):
+    """Returns width, height and the bytes of the picture, from the top row downwards.
+
+    `bias` is that of `Faces`, and the directions of all rays of the camera are changed by `aside`.
+    """
     # Infinities and NaN are what they are in IEEE 754.
     np.seterr(all="ignore")
     world, grid, image = World(scene, bias), Grid(scene), optional(scene, "image", {})
+    grid.d = grid.d + aside
     start = world.faces.nowhere(grid.o)
     found, t = world.faces.hit(start, grid.d)
     if world.is_lit:
