@@ -122,6 +122,12 @@ class LitScenes(Scenes):
             if self.chance(0.3):
                 # The column in the middle runs along what touches there.
                 view["eye"][0] = view["look_at"][0]
+        if self.chance(0.1):
+            # From far away, the numbers of a hit round more.
+            far = 10.0 ** self.random.randint(1, 4)
+            view["eye"] = [b + far * (a - b) for a, b in zip(view["eye"], view["look_at"])]
+            if "fov" in view:
+                view["fov"] /= far
         if self.chance(0.3):
             ((_, fields),) = geometries[0].items()
             fields["name"] = "first"

@@ -209,9 +209,11 @@ class Touching:
         return self.random.choice(([-1, -2, -1], [0, -1, 0], [-0.8, -low, 0.3], [self.random.gauss(0.0, 1.0), -low, 1]))
 
     def turned(self):
-        """Returns the matrix of a group that turns by a few digits, stretches and moves."""
+        """Returns the matrix of a group that turns by a few digits, stretches, moves and is of another size."""
         c, s = self.random.choice(((0.6, 0.8), (0.28, -0.96), (0.8660254037844386, 0.5)))
         by = [self.random.choice((1.0, 1.0, 2.0, 0.3)) for _ in range(3)]
         far = self.random.choice((0.0, 1.0, 1.0, 100.0))
         rows = [[c, -s, 0.0], [0.6 * s, 0.6 * c, -0.8], [0.8 * s, 0.8 * c, 0.6]]
-        return [[x * y for x, y in zip(row, by)] + [far * self.random.uniform(-0.1, 0.1)] for row in rows]
+        size = self.random.choice((1.0, 1.0, 1e-6, 1e3, 1e6))
+        rows = [[x * y for x, y in zip(row, by)] + [far * self.random.uniform(-0.1, 0.1)] for row in rows]
+        return [[size * x for x in row] for row in rows]
