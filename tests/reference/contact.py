@@ -150,13 +150,14 @@ class Faces:
     def skin(self, index, start, l, arrives):
         """Returns the senses for the face of a thin shape."""
         face = self.faces[self.first[index]]
-        n, own = face.gradient(start.p), self.gather(start.own, start.p, lambda each, rows: each.gradient(start.p[rows]))
+        n = face.gradient(start.p)
         sense = np.where(dots(l, n) > 0.0, -1, 1)
         if arrives:
             return sense[:, None]
         side = np.where(start.is_behind[:, None], -start.v, start.v)
         before, behind = dots(side, n), dots(l, n)
         crosses = before * behind > 0.0
+        own = self.gather(start.own, start.p, lambda each, rows: each.gradient(start.p[rows]))
         lengths = np.linalg.norm(n, axis=1) * np.linalg.norm(own, axis=1)
         crosses &= np.linalg.norm(np.cross(n, own), axis=1) > 2.0**-20 * lengths
         # Where the plane of both rays cuts the face, it must not have ended.
@@ -240,8 +241,8 @@ class Faces:
         order = np.argsort(t, axis=0, kind="stable")[: np.isfinite(t).sum(axis=0).max()]
         t, face, sense = (np.take_along_axis(values, order, axis=0) for values in (t, face, sense))
         sense[~np.isfinite(t)] = 0
-        normals = [self.normals(f, p + np.where(s != 0, x, 0.0)[:, None] * d, d) for x, f, s in zip(t, face, sense)]
-        cos = np.abs(np.array([dots(units(d), n) for n in normals]))
+        at = p + np.where(sense != 0, t, 0.0)[:, :, None] * d
+        cos = np.array([np.abs(dots(units(d), self.normals(f, x, d))) for f, x in zip(face, at)])
         # Crossings that are as near as rounding are one.
         gaps = np.diff(t, axis=0) * np.linalg.norm(d, axis=1) * np.minimum(cos[1:], cos[:-1])
         size = (np.abs(p) + np.abs(t[1:, :, None] * d)).max(axis=-1)
@@ -257,8 +258,8 @@ class Faces:
             seen = np.where(changed == NONE, pane, changed)
             is_pane = (changed == NONE) & (pane != NONE)
             ratio = np.where(is_pane, 1.0 / self.indices(pane), ratio)
-            at = np.where((face == seen) & (here != 0), cos, 0.0).max(axis=0)
-            f = np.where(ratio == 1.0, 0.0, fresnel(at, ratio)[0])
+            cos_i = np.where((face == seen) & (here != 0), cos, 0.0).max(axis=0)
+            f = np.where(ratio == 1.0, 0.0, fresnel(cos_i, ratio)[0])
             tint = self.tint(left) * self.tint(entered) * self.tint(np.where(is_pane, pane, NONE))
             part *= np.where((seen == NONE)[:, None], 1.0, (1.0 - f)[:, None] * tint)
         return part

@@ -20,7 +20,6 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 import evaluate
-import solids
 import surfaces
 from contact import NONE, Faces, fresnel, listed
 from evaluate import optional, variant
@@ -96,7 +95,10 @@ class World:
         parts, bodies, materials, owners = [], [], [], []
         for number, geometry in enumerate(scene["geometries"]):
             name, fields = variant(geometry)
-            made = list(surfaces.triangles_of(fields)) if name == "Mesh" else [surfaces.shape_of(name, fields)]
+            if name == "Mesh":
+                made = list(surfaces.triangles_of(fields))
+            else:
+                made = [surfaces.shape_of(name, fields)]
             for shape in made:
                 own = surfaces.colors_of(shape, fields)
                 materials += [material_of(each, named) for each in own]

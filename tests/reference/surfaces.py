@@ -366,7 +366,8 @@ class Combined(Shape):
         for part, first in self.parts:
             t, number = part.ends(o, d, on[first : first + len(part.faces)])
             of_parts.append((t.T.tolist(), (number + first).T.tolist()))
-        t, number = np.full((4 * len(self.parts), len(o)), math.nan), np.zeros((4 * len(self.parts), len(o)), int)
+        shape = 4 * len(self.parts), len(o)
+        t, number = np.full(shape, math.nan), np.zeros(shape, int)
         for row in range(len(o)):
             ends = [end for pair in intervals(self.tree, of_parts, row) for end in pair]
             for at, end in enumerate(ends):
@@ -436,7 +437,12 @@ def mean_of(corners, values):
 
 def vertex_colors(fields, face, corners):
     """Returns the display colors at points, from those of the vertices."""
-    return lambda p: [meshes.color(fields, face, each) for each in np.concatenate(weights(corners, p), axis=1)]
+
+    def colors(p):
+        shares = np.concatenate(weights(corners, p), axis=1)
+        return [meshes.color(fields, face, each) for each in shares]
+
+    return colors
 
 
 def colors_of(shape, fields):

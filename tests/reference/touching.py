@@ -100,8 +100,10 @@ class Touching:
         if kind == "Difference":
             water = dict(fields["minus"][0]["Cylinder"])
             low, high = water["from"], water["to"]
-            water["to"] = [a + self.random.choice((0.5, 0.75)) * (b - a) for a, b in zip(low, high)]
-            return self.random.choice((("Cylinder", water), ("Plane", {"point": fields["of"]["Cylinder"]["from"], "normal": [0, 1, 0]})))
+            water["to"] = moved(low, self.random.choice((0.5, 0.75)), [b - a for a, b in zip(low, high)])
+            if self.chance(0.3):
+                return "Plane", {"point": fields["of"]["Cylinder"]["from"], "normal": [0, 1, 0]}
+            return "Cylinder", water
         if kind == "Union" and "Box" in fields["of"][0]:
             return self.beside_box(fields["of"][0]["Box"])
         return kind, fields
@@ -158,7 +160,9 @@ class Touching:
         if sorted(map(abs, normal)) != [0, 0, 1] or min(normal) < 0:
             return "Plane", {"point": point, "normal": self.axis()}
         others = [axis for axis in AXES if axis != normal]
-        at = moved(moved(point, self.length() - 2 * self.unit, others[0]), self.length() - 2 * self.unit, others[1])
+        at = point
+        for axis in others:
+            at = moved(at, self.length() - 2 * self.unit, axis)
         self.points.append(at)
         kind = self.random.choice(["Box", "Ball", "Cylinder", "Disc", "Valley", "Cup"])
         if kind == "Box":
@@ -206,7 +210,8 @@ class Touching:
     def sun(self):
         """Returns the direction of a sun that is high or low, or grazes."""
         low = self.random.choice((1.0, 0.3, 1e-2, 1e-5))
-        return self.random.choice(([-1, -2, -1], [0, -1, 0], [-0.8, -low, 0.3], [self.random.gauss(0.0, 1.0), -low, 1]))
+        across = [self.random.gauss(0.0, 1.0), -low, 1]
+        return self.random.choice(([-1, -2, -1], [0, -1, 0], [-0.8, -low, 0.3], across))
 
     def turned(self):
         """Returns the matrix of a group that turns by a few digits, stretches, moves and is of another size."""
