@@ -96,9 +96,9 @@ class LitScenes(Scenes):
             if geometries and self.chance(0.6):
                 kind, fields = source.beside(*next(iter(self.random.choice(geometries).items())))
             fields = {key: fields[key] for key in fields if key not in ("color", "material")}
-            if self.chance(0.4):
+            if self.chance(0.45):
                 fields["material"] = opaque
-            elif self.chance(0.6):
+            elif self.chance(0.8):
                 fields["material"] = {"Glass": {"color": glass, "ior": self.random.choice((1.5, 1.5, 1.33))}}
             else:
                 fields["material"] = self.material()
