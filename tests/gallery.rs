@@ -1,4 +1,4 @@
-//! docs/gallery.md shows every scene of scenes/ with its current picture, docs/light.md each light and
+//! docs/gallery.md shows every scene of scenes/ with its current picture, docs/light.md and docs/glass.md each light and
 //! material, and docs/scene-format.md each shape. Of each picture, a band of rows is rendered and compared; `.ci/run` compares
 //! all bytes. `STRAHL_BLESS=1 cargo test --test gallery` renders the pictures again: look at them.
 
@@ -112,12 +112,13 @@ fn each_shape_is_in_the_manual_with_its_picture() {
 
 #[test]
 fn each_light_and_material_is_on_its_page_with_its_picture() {
-    let page = fs::read_to_string("docs/light.md").unwrap();
+    let pages = ["docs/light.md", "docs/glass.md"];
+    let pages = pages.map(|page| fs::read_to_string(page).unwrap());
     let folder = tempfile::tempdir().unwrap();
     let mut names = BTreeSet::new();
     let mut stage = String::new();
     // After a picture comes its scene, or lines of the first scene in their new form.
-    for part in page.split("](light/").skip(1) {
+    for part in pages.iter().flat_map(|page| page.split("](light/").skip(1)) {
         let (name, rest) = part.split_once(".png)").unwrap();
         let block = rest.split("```").nth(1).unwrap();
         let block = block.strip_prefix("ron\n").unwrap();

@@ -33,7 +33,7 @@ use crate::tracer::{
 /// smallest `t`, and at equal `t` the copy that comes first, and in it the shape that comes first. The
 /// faces of all copies are numbered through, in their order.
 ///
-/// A ray that leaves a copy leaves a surface of this copy alone, or of one in the same place.
+/// A copy in the place of another has faces of its own.
 pub struct Instances {
     prototype: Arc<[PrototypeShape]>,
     /// The number of faces of a copy.
