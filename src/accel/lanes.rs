@@ -76,6 +76,17 @@ pub(crate) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// Returns what vectors have across an axis: `v - (v·w)·w`.
+#[inline(always)]
+pub(crate) fn across<V: F64x8>(v: [V; 3], w: [V; 3]) -> [V; 3] {
+    let along = dot(v, w);
+    [
+        v[0] - along * w[0],
+        v[1] - along * w[1],
+        v[2] - along * w[2],
+    ]
+}
+
 /// Returns `v/|v|`.
 #[inline(always)]
 pub(crate) fn unit<V: F64x8>(v: [V; 3]) -> [V; 3] {

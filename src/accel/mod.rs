@@ -8,6 +8,7 @@
 //! [`shadow`] finds which of many points lie in the shadow of a light.
 //! [`index`] gives meshes and copies their trees.
 //! [`kept`] holds what the frames of an animation share, and [`runs`] the parts of a world that it is of.
+//! [`near_faces`] excludes faces that points do not lie on.
 //! [`round`] tests cylinders and discs by eight rays.
 //! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 
@@ -17,6 +18,7 @@ pub(crate) mod instances;
 pub(crate) mod kept;
 pub(crate) mod lanes;
 pub(crate) mod mesh;
+pub(crate) mod near_faces;
 pub(crate) mod pages;
 pub(crate) mod raster;
 mod round;

@@ -2,7 +2,7 @@
 //! operations. Scenes with many of them are common: the bonds of molecules, and clouds of surfels.
 
 use crate::{
-    accel::lanes::{dot, load3, splat3, sub, surely_holds},
+    accel::lanes::{across, dot, load3, splat3, sub, surely_holds},
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         ray::{BUNDLE, Bundle},
@@ -32,34 +32,6 @@ impl<'a> Round<'a> {
             Shape::Disc(disc) => Some(Self::Disc(disc)),
             _ => None,
         }
-    }
-
-    /// Returns the distances of points from the surfaces that its faces lie in, and how large its numbers are.
-    #[inline(always)]
-    pub(super) fn distances<S: Simd>(self, simd: S, at: [S::F64; 3]) -> ([S::F64; 3], f64) {
-        let (center, normal, radius) = match self {
-            Self::Disc(disc) => (disc.center(), disc.normal(), None),
-            Self::Cylinder(cylinder) => (
-                cylinder.from(),
-                cylinder.unit_axis(),
-                Some(cylinder.radius()),
-            ),
-        };
-        let size = center.abs().max_element();
-        let (q, w) = (sub(at, splat3(simd, center)), splat3(simd, normal));
-        let height = dot(q, w);
-        let Some(radius) = radius else {
-            let height = height * simd.splat(1.0 / normal.abs().max_element());
-            return ([height; 3], size);
-        };
-        let Self::Cylinder(cylinder) = self else {
-            return ([height; 3], size);
-        };
-        let beside = across(q, w);
-        let side = dot(beside, beside).sqrt() - simd.splat(radius);
-        let top = height - simd.splat((cylinder.to() - center).dot(normal));
-        let size = size.max(cylinder.to().abs().max_element()) + radius;
-        ([height, side, top], size)
     }
 
     /// Returns the first crossing of one ray.
@@ -247,17 +219,6 @@ fn meet_cylinder<S: Simd>(
         met: (met & !odd).bits() & rays,
         odd: odd.bits() & rays,
     }
-}
-
-/// Returns what vectors have across an axis: `v - (v·w)·w`.
-#[inline(always)]
-fn across<V: F64x8>(v: [V; 3], w: [V; 3]) -> [V; 3] {
-    let along = dot(v, w);
-    [
-        v[0] - along * w[0],
-        v[1] - along * w[1],
-        v[2] - along * w[2],
-    ]
 }
 
 #[cfg(test)]

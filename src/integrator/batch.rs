@@ -11,6 +11,7 @@ use glam::DVec3;
 use crate::{
     accel::{
         lanes::{bits, dot, splat3, sub, unit},
+        near_faces::NearFaces,
         shadow::{Last, Points, Shadowed, Shadows, casters::Toward},
     },
     integrator::direct::{Queries, Shadow},
@@ -25,7 +26,10 @@ use crate::{
         },
         radiance::{BLOCK, Bytes, Radiance},
         ray::Ray,
-        shape::face::{Crossing, FaceId},
+        shape::{
+            contact::REACH,
+            face::{Crossing, FaceId},
+        },
         tone::Tone,
         vector,
         world::World,
@@ -315,7 +319,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                 let most = Points::most_of(simd, scatters, [hits.point, hits.rays.0[0]]);
                 let touching = match hits.surfaces.others & scatters {
                     0 => 0,
-                    others => self.touching(simd, &hits, others),
+                    others => self.touching(simd, &hits, (others, most)),
                 };
                 for (number, light) in lights.iter().enumerate() {
                     let radiance = light.glow().radiance().channels;
@@ -427,9 +431,37 @@ impl<Q: Queries> ShadeRow<'_, Q> {
 
     /// Returns which of some points lie on more than one face of their geometry.
     #[inline(always)]
-    fn touching<S: Simd>(&self, _: S, hits: &Hits<S>, lanes: u8) -> u8 {
+    fn touching<S: Simd>(&self, simd: S, hits: &Hits<S>, (lanes, most): (u8, f64)) -> u8 {
+        let mut at = [[0.0; LANES]; 3];
+        for (at, from) in at.iter_mut().zip(hits.point) {
+            from.store(at);
+        }
+        let except = hits.faces.map(|face| face as f64);
+        let (mut near, mut rest) = (0, lanes);
+        while rest != 0 {
+            // All hits of one geometry at once.
+            let index = hits.indices[rest.trailing_zeros() as usize];
+            let same = (0..LANES).fold(0, |same, lane| {
+                same | u8::from(hits.indices[lane] == index) << lane
+            });
+            let shape = self.world.geometries()[index as usize].shape();
+            if shape.has_faces() {
+                near |= same
+                    & rest
+                    & simd.call(NearFaces {
+                        shape,
+                        at: &at,
+                        reach: REACH * most,
+                        except: &except,
+                    });
+            }
+            rest &= !same;
+        }
+        if near == 0 {
+            return 0;
+        }
         let (rays, t) = stored(&hits.rays);
-        self.touching_each((&rays, &t), (&hits.indices, &hits.faces), lanes)
+        self.touching_each((&rays, &t), (&hits.indices, &hits.faces), near)
     }
 
     #[inline(never)]
@@ -441,10 +473,6 @@ impl<Q: Queries> ShadeRow<'_, Q> {
     ) -> u8 {
         bits(lanes).fold(0, |touching, lane| {
             let index = indices[lane] as usize;
-            let shape = self.world.geometries()[index].shape();
-            if !shape.has_faces() {
-                return touching;
-            }
             let crossing = Crossing {
                 t: t[lane],
                 face: faces[lane],

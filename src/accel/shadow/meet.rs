@@ -180,9 +180,7 @@ impl<'a> Casting<'a> {
         index: u32,
         open: &mut u8,
     ) -> u8 {
-        let own = (0..LANES).fold(0, |own, lane| {
-            own | u8::from(points.own[lane] == index) << lane
-        });
+        let own = points.on(index);
         let near = near & points.asked & !own;
         match near {
             0 => hits & !own,
@@ -232,18 +230,20 @@ impl<'a> Casting<'a> {
             return 0;
         }
         let shape = self.world.geometries()[index as usize].shape();
-        let mut touched = 0;
-        let near = points.near(simd, shape) & lit;
-        if near != 0 {
-            self.others(points, [0, near], index, &mut touched);
-            *open |= touched;
-            lit &= !touched;
-        }
         let mut lines = [[[0.0; LANES]; 3]; 2];
         for (lines, vectors) in lines.iter_mut().zip([rays.origin, rays.direction]) {
             for (line, axis) in lines.iter_mut().zip(vectors) {
                 axis.store(line);
             }
+        }
+        let mut touched = lit & !points.on(index);
+        if touched != 0 {
+            touched &= points.near(simd, &lines[0], shape);
+        }
+        if touched != 0 {
+            touched = self.touched(points, touched, index);
+            *open |= touched;
+            lit &= !touched;
         }
         let left: [FaceId; LANES] = std::array::from_fn(|lane| FaceId {
             geometry: points.own[lane] as usize,

@@ -22,7 +22,7 @@ use crate::{
         bvh::build::Builder,
         kept::{WorldOfFrame, built},
         lanes::abs,
-        round::Round,
+        near_faces::{NO_FACE, NearFaces},
         shadow::{
             casters::{Casters, Toward},
             meet::MANY,
@@ -30,10 +30,10 @@ use crate::{
         },
     },
     film::colors::NOTHING,
-    simd::{F64x8, LANES, Mask, Simd},
+    simd::{F64x8, LANES, Simd},
     tracer::{
         ray::Ray,
-        shape::{Extent, Shape, around::Around, contact::REACH, plane::Plane},
+        shape::{Extent, Shape, contact::REACH, plane::Plane},
         world::World,
     },
 };
@@ -63,7 +63,7 @@ pub(crate) struct Points<'a, S: Simd> {
 const BESIDE: f64 = 1.0 / (1 << 28) as f64;
 
 /// The part of the numbers of an equation by which it may be wrong at a point on the face, or more.
-const WRONG: f64 = 1.0 / (1_u64 << 44) as f64;
+pub(super) const WRONG: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl<'a, S: Simd> Points<'a, S> {
     /// Creates points, given the numbers that are known of them.
@@ -89,26 +89,24 @@ impl<'a, S: Simd> Points<'a, S> {
         (BESIDE * self.most + WRONG * far) * plane.normal().abs().element_sum()
     }
 
-    /// Returns the points that may lie on a shape.
+    /// Returns the points that may lie on a shape which is not the one that was hit, given the points in
+    /// memory.
     #[inline(always)]
-    fn near(&self, simd: S, shape: &Shape) -> u8 {
-        let reach = simd.splat(REACH * self.most);
-        if let Some(round) = Round::new(shape) {
-            let (distances, size) = round.distances(simd, self.at);
-            let slack = reach + simd.splat(WRONG * size);
-            let near = distances.map(|distance| abs(distance).le(slack).bits());
-            return near.into_iter().fold(0, |all, near| all | near) & self.asked;
-        }
-        let Some([low, high]) = shape.around().as_ref().and_then(Around::bounds) else {
-            return self.asked;
-        };
-        let mut near = simd.mask(self.asked);
-        for axis in 0..3 {
-            let at = self.at[axis];
-            near =
-                near & simd.splat(low[axis]).le(at + reach) & at.le(simd.splat(high[axis]) + reach);
-        }
-        near.bits()
+    fn near(&self, simd: S, at: &[[f64; LANES]; 3], shape: &Shape) -> u8 {
+        simd.call(NearFaces {
+            shape,
+            at,
+            reach: REACH * self.most,
+            except: &[NO_FACE; LANES],
+        })
+    }
+
+    /// Returns the points on a geometry.
+    #[inline(always)]
+    fn on(&self, index: u32) -> u8 {
+        (0..LANES).fold(0, |own, lane| {
+            own | u8::from(self.own[lane] == index) << lane
+        })
     }
 
     /// Returns the ray that arrived at a point, and its `t`.

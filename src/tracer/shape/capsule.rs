@@ -63,6 +63,10 @@ impl Capsule {
         self.radius
     }
 
+    pub(crate) const fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let end = farthest_along([self.from(), self.to()], direction)?;
         Some(end + self.radius * direction)

@@ -112,6 +112,15 @@ impl Cone {
         self.capped
     }
 
+    pub(crate) const fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
+    /// The growth of the radius along the axis.
+    pub(crate) const fn slope(&self) -> f64 {
+        self.slope
+    }
+
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let radii = [self.radius, self.top_radius];
         self.axis.support(radii, direction)

@@ -80,6 +80,10 @@ impl Cylinder {
         self.axis.each_face(at, round, self.capped, see);
     }
 
+    pub(crate) const fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
     /// The unit vector along the axis.
     pub(crate) const fn unit_axis(&self) -> DVec3 {
         self.axis.w
