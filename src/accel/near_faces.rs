@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::{abs, across, dot, load3, splat3, sub},
+        lanes::{across, dot, load3, splat3, sub},
         shadow::WRONG,
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
@@ -21,12 +21,9 @@ pub(crate) struct NearFaces<'a> {
     pub(crate) at: &'a [[f64; LANES]; 3],
     /// How far from a point a face may be that it lies on, beside the errors of the face's own numbers.
     pub(crate) reach: f64,
-    /// For each point, the number of a face that is not asked for.
-    pub(crate) except: &'a [f64; LANES],
+    /// If the points lie on the shape: for each, the number of the face that is not asked for.
+    pub(crate) except: Option<&'a [f64; LANES]>,
 }
-
-/// The number of no face.
-pub(crate) const NO_FACE: f64 = -1.0;
 
 impl Kernel for NearFaces<'_> {
     type Output = u8;
@@ -36,91 +33,152 @@ impl Kernel for NearFaces<'_> {
         let near = Near {
             simd,
             at: load3(simd, self.at),
-            except: simd.load(self.except),
+            except: self.except.map(|faces| simd.load(faces)),
             reach: self.reach + TINY,
         };
-        match self.shape {
-            Shape::Solid(solid) => (0..)
-                .step_by(Solid::FACES_OF_PART as usize)
-                .zip(solid.parts())
-                .fold(0, |all, (first, part)| all | near.of(part, first)),
-            shape => near.of(shape, 0),
+        let Shape::Solid(solid) = self.shape else {
+            return near.of(self.shape, 0).near;
+        };
+        let (mut all, mut inside, mut outside) = (0, [0; PARTS], [0; PARTS]);
+        for (number, part) in solid.parts().enumerate() {
+            let found = near.of(part, number as u64 * Solid::FACES_OF_PART);
+            all |= found.near;
+            if number < PARTS {
+                (inside[number], outside[number]) = (found.inside, found.outside);
+            }
         }
+        if all == 0 || self.except.is_some() || solid.parts().len() > PARTS {
+            return all;
+        }
+        // Where a part is cut away, or inside of others, its faces are not those of the solid.
+        all & !solid.lanes_off(&inside, &outside)
     }
 }
+
+/// The largest number of parts of a solid whose form is considered.
+const PARTS: usize = 16;
 
 /// Eight points and their reach.
 struct Near<S: Simd> {
     simd: S,
     at: [S::F64; 3],
-    except: S::F64,
+    except: Option<S::F64>,
     reach: f64,
 }
 
-impl<S: Simd> Near<S> {
-    /// Returns the points that are near faces of a shape, whose numbers begin with `first`.
+/// Points beside a shape, lane i as bit i.
+struct Beside {
+    /// Those that may lie on a face that is asked for.
+    near: u8,
+    /// Those that are surely inside, away from all faces.
+    inside: u8,
+    /// The same outside.
+    outside: u8,
+}
+
+impl Beside {
+    /// Returns the points beside the intersection of what several surfaces bound. Of each, only what no other
+    /// one cuts off is a face.
     #[inline(always)]
-    fn of(&self, shape: &Shape, first: u64) -> u8 {
-        let face = |face: u64, near: u8| {
-            near & !self
-                .except
-                .eq(self.simd.splat((first + face) as f64))
-                .bits()
+    fn intersection<const N: usize>(all: [Self; N]) -> Self {
+        let none = Self {
+            near: 0,
+            inside: u8::MAX,
+            outside: 0,
         };
-        // The boxes around these are computed anew each time.
+        let whole = all.into_iter().fold(none, |whole, surface| Self {
+            near: whole.near | surface.near,
+            inside: whole.inside & surface.inside,
+            outside: whole.outside | surface.outside,
+        });
+        Self {
+            near: whole.near & !whole.outside,
+            ..whole
+        }
+    }
+}
+
+impl<S: Simd> Near<S> {
+    /// Returns the points beside a shape, the numbers of whose faces begin with `first`.
+    #[inline(always)]
+    fn of(&self, shape: &Shape, first: u64) -> Beside {
+        let ball = |face, center: DVec3, radius| {
+            let q = sub(self.at, splat3(self.simd, center));
+            let height = dot(q, q).sqrt() - self.simd.splat(radius);
+            self.beside(first + face, height, center.abs().max_element() + radius)
+        };
         match shape {
-            Shape::Sphere(it) => return face(0, self.on_ball(it.center(), it.radius())),
-            Shape::Disc(it) => return face(0, self.on_plane(it.center(), it.normal())),
-            Shape::Plane(it) => return face(0, self.on_plane(it.point(), it.normal())),
-            _ => {}
-        }
-        let inside = self.in_box(shape.around().as_ref());
-        if inside == 0 {
-            return 0;
-        }
-        let near = match shape {
-            Shape::Rectangle(it) => face(0, self.on_plane(it.corner(), it.in_plane().normal())),
-            Shape::Triangle(it) => face(0, self.on_plane(it.corners()[0], it.in_plane().normal())),
-            Shape::Cuboid(it) => (0..6).fold(0, |all, number| {
-                let axis = number / 2;
-                let end = [it.min(), it.max()][number % 2][axis];
-                let distance = self.at[axis] - self.simd.splat(end);
-                all | face(number as u64, self.within(distance, end.abs()))
-            }),
+            Shape::Sphere(it) => ball(0, it.center(), it.radius()),
+            Shape::Disc(it) => self.plane(first, it.center(), it.normal()),
+            Shape::Plane(it) => self.plane(first, it.point(), it.normal()),
+            Shape::Cuboid(it) => Beside::intersection(std::array::from_fn::<_, 6, _>(|face| {
+                let axis = face / 2;
+                let (end, at) = ([it.min(), it.max()][face % 2][axis], self.at[axis]);
+                let height = at - self.simd.splat(end);
+                let height = if face % 2 == 0 { -height } else { height };
+                self.beside(first + face as u64, height, end.abs())
+            })),
             Shape::Cylinder(it) => {
-                let side = face(0, self.on_side(it.axis(), it.radius(), 0.0));
-                side | if it.capped() {
-                    self.on_caps(it.axis(), face)
-                } else {
-                    0
-                }
+                let side = self.side(first, it.axis(), (it.radius(), 0.0));
+                self.between_ends(first, it.axis(), (side, it.capped()))
             }
             Shape::Cone(it) => {
-                let side = face(0, self.on_side(it.axis(), it.radius(), it.slope()));
-                side | if it.capped() {
-                    self.on_caps(it.axis(), face)
-                } else {
-                    0
+                let side = self.side(first, it.axis(), (it.radius(), it.slope()));
+                self.between_ends(first, it.axis(), (side, it.capped()))
+            }
+            _ => {
+                let in_box = self.in_box(shape.around().as_ref());
+                let mut near = u8::MAX;
+                if in_box != 0 {
+                    near = match shape {
+                        Shape::Rectangle(it) => {
+                            let normal = it.in_plane().normal();
+                            self.plane(first, it.corner(), normal).near
+                        }
+                        Shape::Triangle(it) => {
+                            let normal = it.in_plane().normal();
+                            self.plane(first, it.corners()[0], normal).near
+                        }
+                        Shape::Capsule(it) => {
+                            let radius = it.radius();
+                            let side = self.side(first, it.axis(), (radius, 0.0));
+                            side.near
+                                | ball(1, it.from(), radius).near
+                                | ball(2, it.to(), radius).near
+                        }
+                        _ if shape.has_faces() => u8::MAX,
+                        _ => self.asked(first, u8::MAX),
+                    };
+                }
+                Beside {
+                    near: near & in_box,
+                    inside: 0,
+                    outside: !in_box,
                 }
             }
-            Shape::Capsule(it) => {
-                let radius = it.radius();
-                face(0, self.on_side(it.axis(), radius, 0.0))
-                    | face(1, self.on_ball(it.from(), radius))
-                    | face(2, self.on_ball(it.to(), radius))
-            }
-            _ if shape.has_faces() => u8::MAX,
-            _ => face(0, u8::MAX),
-        };
-        near & inside
+        }
     }
 
-    /// Returns the points whose distance from something is within reach, given how large its numbers are.
+    /// Returns those of some points that do not lie on a face because it is the one that is not asked for.
     #[inline(always)]
-    fn within(&self, distance: S::F64, size: f64) -> u8 {
+    fn asked(&self, face: u64, lanes: u8) -> u8 {
+        let except = self
+            .except
+            .map_or(0, |except| except.eq(self.simd.splat(face as f64)).bits());
+        lanes & !except
+    }
+
+    /// Returns the points beside a surface, given their heights above it and how large its numbers are.
+    #[inline(always)]
+    fn beside(&self, face: u64, height: S::F64, size: f64) -> Beside {
         let slack = self.simd.splat(self.reach + WRONG * size);
         // NaN excludes nothing.
-        !slack.lt(abs(distance)).bits()
+        let (inside, outside) = (height.lt(-slack).bits(), slack.lt(height).bits());
+        Beside {
+            near: self.asked(face, !(inside | outside)),
+            inside,
+            outside,
+        }
     }
 
     #[inline(always)]
@@ -139,36 +197,38 @@ impl<S: Simd> Near<S> {
     }
 
     #[inline(always)]
-    fn on_plane(&self, point: DVec3, normal: DVec3) -> u8 {
+    fn plane(&self, face: u64, point: DVec3, normal: DVec3) -> Beside {
         let q = sub(self.at, splat3(self.simd, point));
         // No shorter than at unit length.
         let normal = normal * (1.0 / normal.abs().max_element());
-        let distance = dot(q, splat3(self.simd, normal));
-        self.within(distance, point.abs().max_element())
+        let height = dot(q, splat3(self.simd, normal));
+        self.beside(face, height, point.abs().max_element())
     }
 
+    /// The side of a cylinder or a cone, given its radius at the beginning and its slope.
     #[inline(always)]
-    fn on_ball(&self, center: DVec3, radius: f64) -> u8 {
-        let q = sub(self.at, splat3(self.simd, center));
-        let distance = dot(q, q).sqrt() - self.simd.splat(radius);
-        self.within(distance, center.abs().max_element() + radius)
-    }
-
-    /// The side of a cylinder or a cone.
-    #[inline(always)]
-    fn on_side(&self, axis: &Axis, radius: f64, slope: f64) -> u8 {
+    fn side(&self, face: u64, axis: &Axis, (radius, slope): (f64, f64)) -> Beside {
         let (simd, w) = (self.simd, splat3(self.simd, axis.w));
         let q = sub(self.at, splat3(simd, axis.from));
         let beside = across(q, w);
         let there = simd.splat(radius) + simd.splat(slope) * dot(q, w);
-        let distance = dot(beside, beside).sqrt() - there;
-        let distance = distance * simd.splat(1.0 / (1.0 + slope.abs()));
+        let height = dot(beside, beside).sqrt() - there;
+        let height = height * simd.splat(1.0 / (1.0 + slope.abs()));
         let most = axis.from.abs().max(axis.to.abs()).max_element();
-        self.within(distance, most + radius)
+        self.beside(face, height, most + radius)
     }
 
+    /// Returns the points beside a side and the ends, which are faces if they are closed.
     #[inline(always)]
-    fn on_caps(&self, axis: &Axis, face: impl Fn(u64, u8) -> u8) -> u8 {
-        face(1, self.on_plane(axis.from, axis.w)) | face(2, self.on_plane(axis.to, axis.w))
+    fn between_ends(&self, first: u64, axis: &Axis, (side, is_closed): (Beside, bool)) -> Beside {
+        let mut ends = [
+            self.plane(first + 1, axis.from, -axis.w),
+            self.plane(first + 2, axis.to, axis.w),
+        ];
+        if !is_closed {
+            ends.iter_mut().for_each(|end| end.near = 0);
+        }
+        let [from, to] = ends;
+        Beside::intersection([side, from, to])
     }
 }

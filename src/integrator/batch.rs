@@ -452,7 +452,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
                         shape,
                         at: &at,
                         reach: REACH * most,
-                        except: &except,
+                        except: Some(&except),
                     });
             }
             rest &= !same;

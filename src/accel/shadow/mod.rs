@@ -22,7 +22,7 @@ use crate::{
         bvh::build::Builder,
         kept::{WorldOfFrame, built},
         lanes::abs,
-        near_faces::{NO_FACE, NearFaces},
+        near_faces::NearFaces,
         shadow::{
             casters::{Casters, Toward},
             meet::MANY,
@@ -97,7 +97,7 @@ impl<'a, S: Simd> Points<'a, S> {
             shape,
             at,
             reach: REACH * self.most,
-            except: &[NO_FACE; LANES],
+            except: None,
         })
     }
 

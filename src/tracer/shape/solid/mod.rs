@@ -204,6 +204,13 @@ impl Solid {
         }
     }
 
+    /// Returns which of eight points are surely not on its surface, given those that are surely inside and
+    /// outside of each part.
+    pub(crate) fn lanes_off(&self, inside: &[u8], outside: &[u8]) -> u8 {
+        let [inside, outside] = self.root.lanes(&|part| [inside[part], outside[part]]);
+        inside | outside
+    }
+
     /// The plane of a face of a part, before the part is mapped.
     pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         let (part, face) = self.part_of(face);
@@ -298,6 +305,23 @@ impl Node {
                 }
             }
         }
+    }
+
+    /// Returns the points that are surely inside and outside, lane i as bit i, given those of the parts.
+    fn lanes(&self, part: &impl Fn(usize) -> [u8; 2]) -> [u8; 2] {
+        let of = match self {
+            Self::Part(index) => return part(*index),
+            Self::Of(of) => of,
+        };
+        let mut operands = of.operands.iter().map(|node| node.lanes(part));
+        let first = operands.next().unwrap_or([0, u8::MAX]);
+        operands.fold(first, |[inside, outside], [one, other]| {
+            match of.operation {
+                Operation::Union => [inside | one, outside & other],
+                Operation::Intersection => [inside & one, outside | other],
+                Operation::Difference => [inside & other, outside | one],
+            }
+        })
     }
 
     /// Returns the corners of a box around it, if it is bounded.
