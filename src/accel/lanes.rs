@@ -18,20 +18,22 @@ pub(super) trait Divide<S: Simd> {
 }
 
 /// Returns the smallest `t` with `0 < t < ∞` that solves `A·t² + B·t + C = 0`, and the lanes that
-/// have one; `None` if no lane has a solution at all. Same as [`Sphere::intersect`].
+/// have one; `None` if no lane has a discriminant of at least `lowest`, which is at most 0. Same as
+/// [`Sphere::intersect`].
 #[inline(always)]
 pub(super) fn first_root<S: Simd, D: Divide<S>>(
     simd: S,
     divide: &D,
     a: S::F64,
     (b, c): (S::F64, S::F64),
+    lowest: S::F64,
 ) -> Option<(S::F64, S::Mask)> {
     let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
     let discriminant = b * b - (simd.splat(4.0) * a) * c;
-    let meets = zero.le(discriminant);
-    if meets.bits() == 0 {
+    if lowest.le(discriminant).bits() == 0 {
         return None;
     }
+    let meets = zero.le(discriminant);
     let root = discriminant.sqrt();
     let mut found = divide.over_2a(simd, -b - root, a);
     let mut counts = zero.lt(found) & found.lt(infinity);

@@ -1,6 +1,6 @@
 //! The questions of direct lighting, answered by a tree.
 
-use std::sync::OnceLock;
+use std::{rc::Rc, sync::OnceLock};
 
 use crate::{
     accel::{
@@ -14,7 +14,7 @@ use crate::{
         material::lobes::LightOfMaterials,
         radiance::Radiance,
         ray::Ray,
-        shape::face::{Crossing, FaceId},
+        shape::face::Crossing,
     },
 };
 
@@ -61,12 +61,30 @@ impl<'a> Accelerated<'a> {
 }
 
 impl Queries for Accelerated<'_> {
-    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)> {
-        let end = f64::INFINITY;
-        match self.hierarchy.get() {
-            Some(hierarchy) => hierarchy.nearest_before(self.world.0, ray, end, left),
-            None => self.world.0.nearest(ray, end, left),
+    fn nearest(
+        &self,
+        ray: &Ray,
+        start: Option<&Departure>,
+    ) -> Result<Option<(usize, Crossing)>, Contact> {
+        let Some(hierarchy) = self.hierarchy.get() else {
+            return Queries::nearest(self.world.0, ray, start);
+        };
+        if let Some(start) = start
+            && let Some((arriving, hit)) = start.arrival()
+        {
+            if let Some(found) = hierarchy.nearest_alone(self.world.0, ray, start) {
+                return Ok(found);
+            }
+            if let Some(contact) = self.contact(arriving, hit) {
+                return Err(contact);
+            }
         }
+        let left = start.map_or(&[][..], Departure::left);
+        Ok(hierarchy.nearest_before(self.world.0, ray, f64::INFINITY, left))
+    }
+
+    fn finds_contact(&self) -> bool {
+        self.hierarchy.get().is_some()
     }
 
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
@@ -78,10 +96,18 @@ impl Queries for Accelerated<'_> {
     }
 
     fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
-        match self.hierarchy.get() {
-            Some(hierarchy) => hierarchy.transmission(self.world.0, ray, t_max, start),
-            None => self.world.0.transmission(ray, t_max, start),
-        }
+        let world = self.world.0;
+        let Some(hierarchy) = self.hierarchy.get() else {
+            return world.transmission(ray, t_max, start);
+        };
+        let Some((arriving, hit)) = start.arrival() else {
+            return hierarchy.transmission(world, ray, t_max, start);
+        };
+        let alone = hierarchy.transmission_alone(world, ray, t_max, start);
+        alone.unwrap_or_else(|| {
+            let contact = self.contact(arriving, hit).map(Rc::new);
+            hierarchy.transmission(world, ray, t_max, &start.with(contact))
+        })
     }
 
     fn brightest(&self) -> f64 {

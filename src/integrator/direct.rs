@@ -36,8 +36,18 @@ const LEAST: f64 = 1.0 / 4096.0;
 
 /// The questions that the evaluation of light asks of a world.
 pub(crate) trait Queries {
-    /// Returns [`World::nearest`].
-    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)>;
+    /// Returns [`World::nearest`]. If it is not known on how many faces the ray begins, and there are several,
+    /// returns them instead.
+    fn nearest(
+        &self,
+        ray: &Ray,
+        start: Option<&Departure>,
+    ) -> Result<Option<(usize, Crossing)>, Contact>;
+
+    /// Returns true if rays find on how many faces they begin, so that it need not be asked before.
+    fn finds_contact(&self) -> bool {
+        false
+    }
 
     /// Returns [`World::contact_among_all`].
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact>;
@@ -91,8 +101,13 @@ pub(crate) enum Value {
 }
 
 impl Queries for World {
-    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)> {
-        World::nearest(self, ray, f64::INFINITY, left)
+    fn nearest(
+        &self,
+        ray: &Ray,
+        start: Option<&Departure>,
+    ) -> Result<Option<(usize, Crossing)>, Contact> {
+        let left = start.map_or(&[][..], Departure::left);
+        Ok(World::nearest(self, ray, f64::INFINITY, left))
     }
 
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
@@ -369,12 +384,21 @@ impl<'a, Q: Queries> Direct<'a, Q> {
                 }
             }
         }
-        let left = path.start.as_ref().map_or(&[][..], Departure::left);
-        let Some((geometry, Crossing { t, face })) = self.queries.nearest(&path.ray, left) else {
-            return Ok(self.background);
-        };
-        let id = FaceId { geometry, face };
-        self.light_of(&Surface::new(self.world, path, t, id))
+        match self.queries.nearest(&path.ray, path.start.as_ref()) {
+            Ok(None) => Ok(self.background),
+            Ok(Some((geometry, Crossing { t, face }))) => {
+                let id = FaceId { geometry, face };
+                self.light_of(&Surface::new(self.world, path, t, id))
+            }
+            Err(contact) => {
+                let contact = Some(Rc::new(contact));
+                let start = path.start.as_ref().map(|start| start.with(contact));
+                self.step(&Path {
+                    start,
+                    ..path.clone()
+                })
+            }
+        }
     }
 
     /// Returns true if the light along a path does not show in the picture, even if it meets the
@@ -416,15 +440,22 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// Returns where rays begin that a surface sends back.
     fn start<'s>(&self, surface: &'s Surface) -> &'s Departure {
         surface.start.get_or_init(|| {
-            let (ray, index) = (&surface.path.ray, surface.index);
-            let (t, face) = (surface.hit.t, surface.hit.face);
-            let contact = self.queries.contact(ray, (index, Crossing { t, face }));
-            let own = FaceId {
-                geometry: index,
-                face,
-            };
-            Departure::at_hit(own, contact.map(Rc::new), ray.direction())
+            let (geometry, face) = (surface.index, surface.hit.face);
+            let own = FaceId { geometry, face };
+            let start = Departure::unknown(own, &surface.path.ray, surface.hit.t);
+            match self.queries.finds_contact() {
+                true => start,
+                false => self.known(&start),
+            }
         })
+    }
+
+    /// Returns a start once all faces are known that it lies on.
+    fn known(&self, start: &Departure) -> Departure {
+        match start.arrival() {
+            Some((ray, hit)) => start.with(self.queries.contact(ray, hit).map(Rc::new)),
+            None => start.clone(),
+        }
     }
 
     /// Tells a term of the evaluation.
@@ -537,12 +568,18 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the light of glass, or of what meets it at its point.
     fn glass(&self, surface: &Surface, glass: Glass) -> Result<Shaded, Straight> {
-        let start = self.start(surface);
+        let start = &self.known(self.start(surface));
         match start.seen(self.world) {
             None => {
                 let (own, is_front) = (start.own(), surface.hit.front_face);
                 let is_pane = surface.hit.geometry.shape().is_pane(own.face);
-                self.interface(surface, &Interface::alone(own, glass, is_front, is_pane))
+                let interface = Interface::alone(own, glass, is_front, is_pane);
+                let start = OnceCell::from(start.clone());
+                let surface = Surface {
+                    start,
+                    ..surface.clone()
+                };
+                self.interface(&surface, &interface)
             }
             Some(Crossed::Opaque(id)) => self.light_of(&surface.on(self.world, start, id)),
             Some(Crossed::Glass(interface)) => {

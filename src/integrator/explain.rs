@@ -119,8 +119,12 @@ struct Listener<'a> {
 }
 
 impl Queries for Listener<'_> {
-    fn nearest(&self, ray: &Ray, left: &[FaceId]) -> Option<(usize, Crossing)> {
-        Queries::nearest(self.world, ray, left)
+    fn nearest(
+        &self,
+        ray: &Ray,
+        start: Option<&Departure>,
+    ) -> Result<Option<(usize, Crossing)>, Contact> {
+        Queries::nearest(self.world, ray, start)
     }
 
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {

@@ -58,6 +58,8 @@ pub(crate) struct Departure {
     own: FaceId,
     /// All of the faces, if there are more.
     contact: Option<Rc<Contact>>,
+    /// The arriving ray and its `t`, as long as it is not known whether there are more.
+    arrival: Option<(Ray, f64)>,
     /// The ray begins just before or just after its origin on a line along this direction.
     along: DVec3,
     side: Side,
@@ -399,13 +401,38 @@ impl Interface {
 impl Departure {
     /// Creates the start of rays that a surface sends back, or to lights, where a ray has arrived along a
     /// direction.
-    pub(crate) fn at_hit(own: FaceId, contact: Option<Rc<Contact>>, along: DVec3) -> Self {
+    pub(crate) const fn at_hit(own: FaceId, contact: Option<Rc<Contact>>, along: DVec3) -> Self {
         Self {
             own,
             contact,
+            arrival: None,
             along,
             side: Side::Before,
         }
+    }
+
+    /// The same where a ray has arrived at `t`, as long as it is not known what other faces are there.
+    pub(crate) fn unknown(own: FaceId, ray: &Ray, t: f64) -> Self {
+        Self {
+            arrival: Some((*ray, t)),
+            ..Self::at_hit(own, None, ray.direction())
+        }
+    }
+
+    /// Returns the same once it is known whether there are more faces.
+    pub(crate) fn with(&self, contact: Option<Rc<Contact>>) -> Self {
+        Self {
+            contact,
+            arrival: None,
+            ..*self
+        }
+    }
+
+    /// The ray that arrived and its hit, as long as it is not known whether there are more faces.
+    pub(crate) fn arrival(&self) -> Option<(&Ray, (usize, Crossing))> {
+        let FaceId { geometry, face } = self.own;
+        let (ray, t) = self.arrival.as_ref()?;
+        Some((ray, (geometry, Crossing { t: *t, face })))
     }
 
     /// Returns the start of rays that go through the surface, where one has arrived along a direction.

@@ -185,6 +185,12 @@ impl Frame {
         [center, half.map(|half| half + SLACK as f32 * reach)]
     }
 
+    /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given the
+    /// largest of its numbers: they may lie beside it by 2⁻²⁵ of that, more than boxes are grown.
+    pub(crate) fn is_far(&self, scale: f64) -> bool {
+        scale * self.scale > 64.0
+    }
+
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs
     /// the plain loop. Inlined: a probe that is moved as a whole is waited for.
     #[inline(always)]

@@ -20,7 +20,7 @@ use crate::{
         bvh::{
             build::Builder,
             portion::{Near, Portion, Shapes},
-            walk::{Crossings, Nearest, Walk},
+            walk::{Crossings, Nearest, Walk, Watch},
         },
         index::index_shapes,
         kept::{WorldOfFrame, built},
@@ -34,7 +34,10 @@ use crate::{
         hit::Hit,
         radiance::Radiance,
         ray::Ray,
-        shape::face::{Crossing, FaceId, Leaving},
+        shape::{
+            contact::ContactPoint,
+            face::{Crossing, FaceId, Leaving},
+        },
         world::World,
     },
 };
@@ -178,8 +181,70 @@ impl Hierarchy {
         Some((nearest.index, nearest.crossing()))
     }
 
+    /// The same for a ray of which it is not known whether it begins on more than one face; `None` if it may.
+    pub(crate) fn nearest_alone(
+        &self,
+        world: &World,
+        ray: &Ray,
+        start: &Departure,
+    ) -> Option<Option<(usize, Crossing)>> {
+        let (arriving, (_, Crossing { t, .. })) = start.arrival()?;
+        let point = ContactPoint::vague(arriving, t);
+        let watch = self.watch(world, &point, start)?;
+        let found = self.search(world, ray, f64::INFINITY, start.left(), Some(watch))?;
+        Some(found.map(|nearest| (nearest.index, nearest.crossing())))
+    }
+
+    /// Returns the watch over the origin of a ray; `None` if it may lie on another face of its own geometry, or
+    /// on one of those apart.
+    fn watch<'a>(
+        &self,
+        world: &World,
+        point: &'a ContactPoint,
+        start: &Departure,
+    ) -> Option<Watch<'a>> {
+        let (geometries, own) = (world.geometries(), start.own());
+        if self
+            .shapes()
+            .any(|shapes| shapes.frame.is_far(point.scale()))
+        {
+            return None;
+        }
+        let mut watch = Watch {
+            point,
+            slack: 0.0,
+            is_touched: false,
+        };
+        let shape = geometries.get(own.geometry)?.shape();
+        if shape.has_faces() {
+            shape.each_face_near(point, &mut |face| {
+                watch.is_touched |= face.is_touched && face.face != own.face;
+            });
+        }
+        let others = self.apart.iter().filter(|index| **index != own.geometry);
+        for index in others {
+            watch.see(geometries[*index].shape());
+        }
+        let largest = self.shapes().map(|shapes| shapes.largest);
+        watch.slack = point.slack_of_ball(largest.fold(0.0, f64::max));
+        (!watch.is_touched).then_some(watch)
+    }
+
     #[inline(always)]
     fn nearest(&self, world: &World, ray: &Ray, t_max: f64, left: &[FaceId]) -> Option<Nearest> {
+        self.search(world, ray, t_max, left, None)?
+    }
+
+    /// Returns the nearest crossing, or `None` if what is watched for was found.
+    #[inline(always)]
+    fn search(
+        &self,
+        world: &World,
+        ray: &Ray,
+        t_max: f64,
+        left: &[FaceId],
+        watch: Option<Watch>,
+    ) -> Option<Option<Nearest>> {
         let geometries = world.geometries();
         let mut nearest = Nearest::before(t_max);
         for index in apart_of(&self.apart, left) {
@@ -192,14 +257,24 @@ impl Hierarchy {
         }
         for shapes in self.shapes() {
             let Some(probe) = shapes.frame.probe(ray) else {
-                let (index, crossing) = world.nearest(ray, t_max, left)?;
-                return Some(Nearest::new(index, crossing));
+                if watch.is_some() {
+                    return None;
+                }
+                let found = world.nearest(ray, t_max, left);
+                return Some(found.map(|(index, crossing)| Nearest::new(index, crossing)));
             };
-            let walk = shapes.walk::<false>(geometries, (ray, &probe), nearest, left);
-            nearest = self.isa.run(walk);
+            let walk = Walk::<false> {
+                watch,
+                ..shapes.walk(geometries, (ray, &probe), nearest, left)
+            };
+            let (found, is_touched) = self.isa.run(walk);
+            if is_touched {
+                return None;
+            }
+            nearest = found;
         }
         let is_met = nearest.t < t_max;
-        is_met.then_some(nearest)
+        Some(is_met.then_some(nearest))
     }
 
     /// Returns true if anything is hit with `0 < t < t_max`.
@@ -211,7 +286,7 @@ impl Hierarchy {
             Some(probe) => {
                 let nearest = Nearest::before(t_max);
                 let walk = shapes.walk::<true>(geometries, (ray, &probe), nearest, &[]);
-                self.isa.run(walk).t < t_max
+                self.isa.run(walk).0.t < t_max
             }
         };
         self.apart.iter().any(meets) || self.shapes().any(is_among)
@@ -225,31 +300,65 @@ impl Hierarchy {
         t_max: f64,
         start: &Departure,
     ) -> Radiance {
+        let found = self.light(world, ray, t_max, start, None);
+        found.unwrap_or_else(|| world.transmission(ray, t_max, start))
+    }
+
+    /// The same for a ray of which it is not known whether it begins on more than one face; `None` if it may.
+    pub(crate) fn transmission_alone(
+        &self,
+        world: &World,
+        ray: &Ray,
+        t_max: f64,
+        start: &Departure,
+    ) -> Option<Radiance> {
+        let (arriving, (_, Crossing { t, .. })) = start.arrival()?;
+        let point = ContactPoint::vague(arriving, t);
+        let watch = self.watch(world, &point, start)?;
+        self.light(world, ray, t_max, start, Some(watch))
+    }
+
+    /// Returns the light that comes through; `None` if what is watched for was found, or if the ray needs the
+    /// plain loop.
+    #[inline(always)]
+    fn light(
+        &self,
+        world: &World,
+        ray: &Ray,
+        t_max: f64,
+        start: &Departure,
+        watch: Option<Watch>,
+    ) -> Option<Radiance> {
         let (geometries, left) = (world.geometries(), start.left());
         // All glass that the ray crosses.
         let mut glass = Crossings::default();
-        let is_dark = apart_of(&self.apart, left).any(|index| {
+        let mut is_dark = apart_of(&self.apart, left).any(|index| {
             let geometry = &geometries[index];
-            let first = geometry.shape().meet(ray, Leaving::of(left, index), t_max);
+            let leaving = Leaving::of(left, index);
+            let first = geometry.shape().meet(ray, leaving, t_max);
             first.is_some() && glass.is_opaque(geometry, index)
         });
-        if is_dark {
-            return Radiance::BLACK;
-        }
         for shapes in self.shapes() {
-            let Some(probe) = shapes.frame.probe(ray) else {
-                return world.transmission(ray, t_max, start);
-            };
+            if is_dark {
+                break;
+            }
+            let probe = shapes.frame.probe(ray)?;
             let nearest = Nearest::before(t_max);
             let walk = Walk::<true> {
+                watch,
                 glass: Some(&mut glass),
                 ..shapes.walk(geometries, (ray, &probe), nearest, left)
             };
-            if self.isa.run(walk).t < t_max {
-                return Radiance::BLACK;
+            let (found, is_touched) = self.isa.run(walk);
+            if is_touched {
+                return None;
             }
+            is_dark = found.t < t_max;
         }
-        world.transmission_among(ray, t_max, start, glass.in_order().into_iter())
+        Some(match is_dark {
+            true => Radiance::BLACK,
+            false => world.transmission_among(ray, t_max, start, glass.in_order().into_iter()),
+        })
     }
 
     /// Calls `see` with the index of every geometry that may meet a box, given its corners.

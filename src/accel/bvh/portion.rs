@@ -41,6 +41,8 @@ pub(super) struct Shapes {
     pub(super) frame: Frame,
     pub(super) tree: Tree,
     pub(super) leaves: Vec<Leaf>,
+    /// The radius of the largest sphere.
+    pub(super) largest: f64,
 }
 
 impl Shapes {
@@ -66,6 +68,7 @@ impl Shapes {
             probe,
             nearest,
             left,
+            watch: None,
             glass: None,
         }
     }
@@ -126,9 +129,11 @@ impl Portion {
             let items = Pages::collect(count(runs), items);
             let (tree, lists) = builder.tree(items, Lists::default())?;
             let leaves = builder.leaves(&lists, world.geometries());
+            let radii = leaves.iter().flat_map(|leaf| leaf.radius);
             Some(Shapes {
                 frame,
                 tree,
+                largest: radii.fold(0.0, f64::max),
                 leaves,
             })
         });

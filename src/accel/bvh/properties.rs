@@ -212,7 +212,7 @@ fn bits(nearest: Option<(usize, Hit<'_>)>) -> Option<(usize, bool, Vec<u64>)> {
 fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
     let mut rng = Rng(19);
     let isas = Isa::all();
-    let (mut hits, mut tinted) = (0, 0);
+    let (mut hits, mut tinted, mut alone) = (0, 0, 0);
     for case in 0..cases(CASES) {
         let bare = world(&mut rng);
         let glass = rng.one(&[0, 2, 2, 5]);
@@ -245,11 +245,12 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
             let arriving = ray.direction();
             let geometry = rng.below(world.geometries().len());
             let mut own = FaceId { geometry, face: 0 };
-            let mut contact = None;
+            let (mut contact, mut unknown) = (None, None);
             // Mostly from a surface, inwards and outwards.
             if let Some((index, hit)) = world.hit(&ray).filter(|_| rng.below(4) > 0) {
                 (own.geometry, own.face) = (index, hit.face);
                 let (t, face) = (hit.t, hit.face);
+                unknown = Some(Departure::unknown(own, &ray, t));
                 contact = world.contact_among_all(&ray, (index, Crossing { t, face }));
                 let length = rng.magnitude(-2.0, 2.0);
                 ray = Ray::new(hit.point, rng.vector() * length);
@@ -269,11 +270,26 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
                 let found = tree.transmission(&indexed, &ray, t_max, &start);
                 let bits = |light: Radiance| light.channels.map(f64::to_bits);
                 assert_eq!(bits(found), bits(through), "{place}, {t_max} in {world:?}");
+                // Without knowing on how many faces it begins.
+                let Some(unknown) = &unknown else {
+                    continue;
+                };
+                if let Some(found) = tree.nearest_alone(&indexed, &ray, unknown) {
+                    assert_eq!(found.map(bits_of), nearest, "{place} in {world:?}");
+                    alone += 1;
+                }
+                if let Some(found) = tree.transmission_alone(&indexed, &ray, t_max, unknown) {
+                    assert_eq!(bits(found), bits(through), "{place}, {t_max} in {world:?}");
+                }
             }
         }
     }
     assert!(hits > cases(CASES) * RAYS / 10, "only {hits} hits");
     assert!(tinted > cases(CASES), "only {tinted} rays go through glass");
+    assert!(
+        alone > cases(CASES),
+        "only {alone} rays are known to leave one face"
+    );
 }
 
 #[test]

@@ -9,13 +9,17 @@ use crate::{
             traverse::{OneRay, Seek},
             tree::Tree,
         },
-        lanes::{Divide, dot, first_root, splat3, sub},
+        lanes::{Divide, abs, dot, first_root, splat3, sub},
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         geometry::Geometry,
         ray::Ray,
-        shape::face::{Crossing, FaceId, Leaving},
+        shape::{
+            Shape,
+            contact::ContactPoint,
+            face::{Crossing, FaceId, Leaving},
+        },
     },
 };
 
@@ -85,6 +89,26 @@ impl Crossings {
     }
 }
 
+/// The origin of a ray, which is known to lie on one geometry.
+#[derive(Clone, Copy)]
+pub(super) struct Watch<'a> {
+    pub(super) point: &'a ContactPoint,
+    /// By how much the equation of a sphere may be off 0 at a point on it, or more.
+    pub(super) slack: f64,
+    /// True once it may lie on another one.
+    pub(super) is_touched: bool,
+}
+
+impl Watch<'_> {
+    /// Notes whether the point may lie on a shape.
+    #[inline]
+    pub(super) fn see(&mut self, shape: &Shape) -> bool {
+        let is_touched = &mut self.is_touched;
+        shape.each_face_near(self.point, &mut |face| *is_touched |= face.is_touched);
+        self.is_touched
+    }
+}
+
 /// The kernel that finds the nearest hit or, with `ANY`, the first one nearer than the known hit.
 pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) tree: &'a Tree,
@@ -96,20 +120,25 @@ pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) nearest: Nearest,
     /// The faces that the ray leaves. Their geometries are not tested.
     pub(super) left: &'a [FaceId],
+    /// If it is not known whether the ray begins on other geometries too: that is watched for. The walk ends at
+    /// the first on which its origin may lie.
+    pub(super) watch: Option<Watch<'a>>,
     /// With `ANY`, a collector of the glass that the ray crosses, which does not count as a hit.
     pub(super) glass: Option<&'a mut Crossings>,
 }
 
 impl<const ANY: bool> Kernel for Walk<'_, ANY> {
-    type Output = Nearest;
+    /// Also true if what is watched for was found.
+    type Output = (Nearest, bool);
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Nearest {
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
         let (tree, probe) = (self.tree, self.probe);
-        let lanes = Lanes::new(simd, self.ray);
+        let lanes = Lanes::new(simd, self.ray, self.watch.map_or(0.0, |watch| watch.slack));
         let mut search = Search { walk: self, lanes };
         tree.traverse(simd, &OneRay::new(simd, probe), &mut search);
-        search.walk.nearest
+        let Walk { nearest, watch, .. } = search.walk;
+        (nearest, watch.is_some_and(|watch| watch.is_touched))
     }
 }
 
@@ -145,7 +174,14 @@ impl<const ANY: bool> Walk<'_, ANY> {
     fn meet_leaf<S: Simd>(&mut self, simd: S, lanes: &Lanes<S>, number: usize) -> bool {
         let leaf = &self.leaves[number];
         let mut is_nearer = false;
-        let (mut met, t) = lanes.spheres(simd, leaf, self.nearest.t);
+        let (mut met, t, mut near) = lanes.spheres(simd, leaf, self.nearest.t);
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            if self.touches(leaf, lane) {
+                return true;
+            }
+        }
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
@@ -172,6 +208,9 @@ impl<const ANY: bool> Walk<'_, ANY> {
             if self.leaves(leaf.index[lane]) {
                 continue;
             }
+            if self.watch.is_some() && self.touches(leaf, lane) {
+                return true;
+            }
             let index = leaf.index[lane] as usize;
             let shape = self.geometries[index].shape();
             // At an equal t the lower index may still win.
@@ -192,6 +231,24 @@ impl<const ANY: bool> Walk<'_, ANY> {
 }
 
 impl<const ANY: bool> Walk<'_, ANY> {
+    /// Returns true if the ray begins on the shape in a lane, if that is watched for. Nothing is nearer then.
+    #[inline(always)]
+    fn touches(&mut self, leaf: &Leaf, lane: usize) -> bool {
+        let index = leaf.index[lane];
+        if self.leaves(index) {
+            return false;
+        }
+        let geometry = &self.geometries[index as usize];
+        let is_touched = self
+            .watch
+            .as_mut()
+            .is_some_and(|watch| watch.see(geometry.shape()));
+        if is_touched {
+            self.nearest = Nearest::before(f64::NEG_INFINITY);
+        }
+        is_touched
+    }
+
     /// Returns true if the ray leaves a face of a geometry.
     #[inline(always)]
     fn leaves(&self, index: u32) -> bool {
@@ -219,24 +276,30 @@ struct Lanes<S: Simd> {
     direction: [S::F64; 3],
     /// `d·d`
     a: S::F64,
+    slack: f64,
+    /// The least discriminant of a sphere that the origin may lie on.
+    lowest: S::F64,
 }
 
 impl<S: Simd> Divide<S> for Lanes<S> {}
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &Ray) -> Self {
+    fn new(simd: S, ray: &Ray, slack: f64) -> Self {
         let (origin, direction) = (ray.origin(), ray.direction());
         Self {
             origin: splat3(simd, origin),
             direction: splat3(simd, direction),
             a: simd.splat(direction.dot(direction)),
+            slack,
+            lowest: simd.splat(-8.0 * direction.dot(direction) * slack),
         }
     }
 
-    /// Returns the spheres that the ray hits at a `t` of at most `nearest`, and the values of `t`.
+    /// Returns the spheres that the ray hits at a `t` of at most `nearest`, the values of `t`, and the spheres
+    /// that its origin may lie on, if that is watched for.
     #[inline(always)]
-    fn spheres(&self, simd: S, leaf: &Leaf, nearest: f64) -> (u8, [f64; LANES]) {
+    fn spheres(&self, simd: S, leaf: &Leaf, nearest: f64) -> (u8, [f64; LANES], u8) {
         let center = [
             simd.load(&leaf.center[0]),
             simd.load(&leaf.center[1]),
@@ -247,10 +310,14 @@ impl<S: Simd> Lanes<S> {
         let b = dot(self.direction, [two * oc[0], two * oc[1], two * oc[2]]);
         let c = dot(oc, oc) - radius * radius;
         let mut at = [0.0; LANES];
-        let Some((t, counts)) = first_root(simd, self, self.a, (b, c)) else {
-            return (0, at);
+        let Some((t, counts)) = first_root(simd, self, self.a, (b, c), self.lowest) else {
+            return (0, at, 0);
         };
         t.store(&mut at);
-        ((counts & t.le(simd.splat(nearest))).bits(), at)
+        let near = match self.slack > 0.0 {
+            true => abs(c).le(simd.splat(self.slack)).bits(),
+            false => 0,
+        };
+        ((counts & t.le(simd.splat(nearest))).bits(), at, near)
     }
 }

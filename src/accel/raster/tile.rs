@@ -396,7 +396,7 @@ impl Tile {
         }
         let a = simd.load(&self.a[group]);
         let terms = R::terms(sphere, self.point(simd, group));
-        let Some((found, counts)) = first_root(simd, rays, a, terms) else {
+        let Some((found, counts)) = first_root(simd, rays, a, terms, simd.splat(0.0)) else {
             return;
         };
         let seen = simd.load(&self.seen[group]);

@@ -159,6 +159,17 @@ impl ContactPoint {
         before.with_reach(4.0 * ((EPSILON + FARTHEST) * self.scale * stretch + errors))
     }
 
+    /// The largest of its numbers, `s`.
+    pub(crate) const fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Returns by how much the equation of a ball that is at most so large may be off 0 at a point on it, or
+    /// more.
+    pub(crate) fn slack_of_ball(&self, radius: f64) -> f64 {
+        2.0 * self.reach * (radius + self.reach)
+    }
+
     /// The corners of a box around all faces that the point lies on.
     pub(crate) fn around(&self) -> [DVec3; 2] {
         [self.point - self.reach, self.point + self.reach]
