@@ -275,13 +275,21 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns the ray that goes straight on.
-    fn straight(&self, factor: Radiance, start: &Departure) -> Straight {
+    fn straight(&self, factor: Radiance, start: &Departure) -> Box<Straight> {
         let direction = self.path.ray.direction();
         let path = Path {
             depth: self.path.depth,
             ..self.onward(direction, factor, start.through(direction))
         };
-        Straight { path, factor }
+        Box::new(Straight { path, factor })
+    }
+
+    /// Returns the face that was hit.
+    const fn own(&self) -> FaceId {
+        FaceId {
+            geometry: self.index,
+            face: self.hit.face,
+        }
     }
 
     /// Returns the direction of a mirrored ray: `d - 2(d·n)n`.
@@ -310,7 +318,7 @@ impl<Q: Queries> Integrate for Direct<'_, Q> {
         let surface = Surface::new(self.world, &path, crossing.t, id);
         match self.light_of(&surface) {
             Ok(shaded) => shaded,
-            Err(Straight { path, factor }) => self.follow(path).sent_on(factor),
+            Err(straight) => self.follow(straight.path).sent_on(straight.factor),
         }
     }
 }
@@ -362,8 +370,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     }
 
     /// Returns the light that arrives along a path from the first surface, or the ray that goes on there.
-    fn step(&self, path: &Path) -> Result<Shaded, Straight> {
-        if self.is_faint(path) {
+    fn step(&self, path: &Path) -> Result<Shaded, Box<Straight>> {
+        if self.is_faint(path.factor) {
             self.queries.tell(Step::Faint);
             return Ok(Shaded::default());
         }
@@ -401,15 +409,15 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
     }
 
-    /// Returns true if the light along a path does not show in the picture, even if it meets the
-    /// brightest of all.
-    fn is_faint(&self, path: &Path) -> bool {
-        let part = self.tone.expose(path.factor).max_channel();
+    /// Returns true if light of which this part arrives at the camera does not show in the picture, even if
+    /// it is the brightest of all.
+    fn is_faint(&self, factor: Radiance) -> bool {
+        let part = self.tone.expose(factor).max_channel();
         part < LEAST && part * self.queries.brightest() < LEAST
     }
 
     /// Returns the light that a surface sends along its path: the sum of its lobes.
-    fn light_of(&self, surface: &Surface) -> Result<Shaded, Straight> {
+    fn light_of(&self, surface: &Surface) -> Result<Shaded, Box<Straight>> {
         self.queries.tell(Step::Surface(surface));
         let material = surface.hit.material();
         let lobes = material.lobes();
@@ -440,9 +448,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// Returns where rays begin that a surface sends back.
     fn start<'s>(&self, surface: &'s Surface) -> &'s Departure {
         surface.start.get_or_init(|| {
-            let (geometry, face) = (surface.index, surface.hit.face);
-            let own = FaceId { geometry, face };
-            let start = Departure::unknown(own, &surface.path.ray, surface.hit.t);
+            let start = Departure::unknown(surface.own(), &surface.path.ray, surface.hit.t);
             match self.queries.finds_contact() {
                 true => start,
                 false => self.known(&start),
@@ -561,13 +567,17 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// Returns the light that a surface reflects like a mirror.
     fn reflection(&self, surface: &Surface, factor: Radiance) -> Shaded {
         self.term("reflected", "reflected part", Value::Light(factor));
-        let start = self.start(surface).clone();
+        // Many reflect nothing at all.
+        let start = match self.is_faint(surface.path.factor * factor) {
+            true => Departure::at_hit(surface.own(), None, surface.path.ray.direction()),
+            false => self.start(surface).clone(),
+        };
         let path = surface.onward(surface.mirrored(), factor, start);
         self.follow(path).sent_on(factor)
     }
 
     /// Returns the light of glass, or of what meets it at its point.
-    fn glass(&self, surface: &Surface, glass: Glass) -> Result<Shaded, Straight> {
+    fn glass(&self, surface: &Surface, glass: Glass) -> Result<Shaded, Box<Straight>> {
         let start = &self.known(self.start(surface));
         match start.seen(self.world) {
             None => {
@@ -590,10 +600,20 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
     }
 
+    /// Tells the indices of refraction on both sides of an interface where several faces meet.
+    fn tell_media(&self, start: &Departure, interface: &Interface) {
+        if !start.is_alone() {
+            let [before, behind] = interface.media();
+            self.term("n_before", "n before", Value::Number(before));
+            self.term("n_behind", "n behind", Value::Number(behind));
+        }
+    }
+
     /// Returns the light that a surface between two media reflects and lets through.
-    fn interface(&self, surface: &Surface, interface: &Interface) -> Result<Shaded, Straight> {
+    fn interface(&self, surface: &Surface, interface: &Interface) -> Result<Shaded, Box<Straight>> {
         let (start, color) = (self.start(surface), interface.color());
         if interface.is_joint() {
+            self.tell_media(start, interface);
             return Err(surface.straight(color, start));
         }
         let fresnel = interface.fresnel(surface.n.dot(surface.v));
@@ -604,6 +624,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         };
         let reflected = Radiance::WHITE * fresnel.reflected;
         let refracted = color * (1.0 - fresnel.reflected);
+        self.tell_media(start, interface);
         self.term("eta", "η", Value::Number(fresnel.eta));
         self.term("n_dot_v", "n·v", Value::Number(surface.n.dot(surface.v)));
         self.term(

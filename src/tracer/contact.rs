@@ -465,6 +465,11 @@ impl Departure {
         }
     }
 
+    /// Returns true if the point is known to lie on one face alone.
+    pub(crate) const fn is_alone(&self) -> bool {
+        self.contact.is_none()
+    }
+
     /// Returns what is seen at a point of glass that lies on more than one face: an opaque face, as paint on
     /// the glass, or the glass that changes along the arriving ray; `None` if the face is alone.
     pub(crate) fn seen(&self, world: &World) -> Option<Crossed> {

@@ -181,6 +181,11 @@ impl ContactPoint {
         low.cmple(to).all() && high.cmpge(from).all()
     }
 
+    /// The same for a cube around a center with half its size.
+    fn is_within(&self, center: DVec3, half: f64) -> bool {
+        (self.point - center).abs().max_element() <= half + self.reach
+    }
+
     /// Returns a face, given its equation at the point and the edges around it, if it has any.
     pub(crate) fn face<const N: usize>(
         &self,
@@ -249,10 +254,8 @@ impl Shape {
     /// Calls `see` with each face and its place beside a point, if the point is near the shape.
     pub(crate) fn each_face_near(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let is_near = match self {
-            Self::Sphere(sphere) => {
-                let away = (at.point - sphere.center()).abs().max_element();
-                away <= sphere.radius() + at.reach
-            }
+            Self::Sphere(sphere) => at.is_within(sphere.center(), sphere.radius()),
+            Self::Disc(disc) => at.is_within(disc.center(), disc.radius()),
             Self::Cuboid(cuboid) => at.is_near([cuboid.min(), cuboid.max()]),
             _ => {
                 let around = self.around().as_ref().and_then(Around::bounds);
