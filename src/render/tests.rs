@@ -27,7 +27,9 @@ use crate::{
         random::{Rng, cases},
         ray::Ray,
         shape::{
-            any::{any, unbounded},
+            Shape,
+            any::{any, touching, unbounded},
+            cuboid::Cuboid,
             plane::Plane,
             sphere::Sphere,
         },
@@ -177,7 +179,77 @@ struct Case {
     is_transparent: bool,
 }
 
+/// Returns a world in which half of the geometries touch others, and points that lie on several.
+fn touching_world(random: &mut Rng) -> (World, Vec<DVec3>) {
+    let mut shapes: Vec<Shape> = Vec::new();
+    for _ in 0..random.one(&[2, 4, 6, 12]) {
+        let number = random.below(shapes.len().max(1));
+        let grid = |x: f64| (x * 4.0).round() / 4.0;
+        let place = random.vector() * 1.5;
+        let shape = match shapes.get(number).filter(|_| random.below(2) == 0) {
+            Some(other) => touching(random, other),
+            None => {
+                let round = DVec3::new(grid(place.x), grid(place.y), grid(place.z));
+                let center = random.one(&[round, round, place]);
+                let (half, turn) = (random.one(&[0.25, 0.5, 0.3]), random.below(3));
+                match turn {
+                    0 => any(random, center, half),
+                    1 => Sphere::new(center, half).map(Shape::from),
+                    _ => Cuboid::new(center - half, center + half).map(Shape::from),
+                }
+            }
+        };
+        shapes.extend(shape);
+    }
+    let corners = shapes
+        .iter()
+        .filter_map(Shape::bounds)
+        .flat_map(|[low, high]| {
+            let middle = (low + high) * 0.5;
+            let edge = DVec3::new(high.x, middle.y, high.z);
+            let side = DVec3::new(middle.x, middle.y, high.z);
+            [low, high, edge, side, DVec3::new(middle.x, low.y, high.z)]
+        });
+    let corners = corners.collect();
+    let glass: Material = Glass::new(color(random), 1.5).unwrap().into();
+    let geometries = shapes.into_iter().map(|shape| {
+        let of = match random.below(3) {
+            0 => glass.clone(),
+            _ => material(random),
+        };
+        Geometry::new(shape, of)
+    });
+    let geometries: Vec<_> = geometries.collect();
+    let lights = (0..random.one(&[1, 2])).map(|_| light(random, DVec3::ZERO, 1.0, &geometries));
+    let lighting = Lighting {
+        lights: lights.collect(),
+        max_depth: random.one(&[1, 3, 6]) as u32,
+    };
+    let world = World::new(geometries, color(random)).lit(lighting);
+    (world, corners)
+}
+
 impl Case {
+    /// Creates a picture whose middle shows where surfaces meet.
+    fn touching(random: &mut Rng) -> Self {
+        let (world, corners) = touching_world(random);
+        let at = random.below(corners.len().max(1));
+        let to = corners.get(at).copied().unwrap_or(DVec3::ZERO);
+        let away = random.vector() * 4.0 + DVec3::new(0.01, 0.02, 3.0);
+        let eye = to + away * random.one(&[1.0, 1.0, 0.1, 100.0]);
+        let camera = PerspectiveCamera::new(eye, to - eye, DVec3::Y, 0.3);
+        Self {
+            camera: camera.unwrap().into(),
+            drawn: world.without_indices(),
+            world,
+            size: Size::new(5, 3).unwrap(),
+            samples: Samples::new(1).unwrap(),
+            outlines: None,
+            tone: Tone::new(0.0, ToneMapping::Clip),
+            is_transparent: random.below(4) == 0,
+        }
+    }
+
     fn new(random: &mut Rng) -> Self {
         let size = random.one(&[1e-6, 1e-3, 1.0, 1.0, 1.0, 50.0, 1e6, 1e8]);
         let middle = random.vector() * size * random.one(&[0.0, 1.0, 100.0]);
@@ -420,6 +492,38 @@ fn shaded_pictures_are_those_of_the_plain_definition() {
     assert!(
         clear > 10,
         "only {clear} pixels show a transparent background"
+    );
+}
+
+#[test]
+fn pictures_of_touching_geometries_are_those_of_the_plain_definition() {
+    let pools = [1, 2].map(|threads| Pool::new(Some(threads)));
+    let isas = Isa::all();
+    let mut touching = 0;
+    for seed in 0..cases(5000) as u64 {
+        let mut random = Rng(seed.wrapping_mul(0x1357_9bdf) | 1);
+        let case = Case::touching(&mut random);
+        let isa = isas[random.below(isas.len())];
+        let crop = Crop::whole(case.size);
+        let drawn = case.drawn(crop, isa, &pools[random.below(2)], None);
+        let pixels = crop
+            .rows()
+            .flat_map(|row| crop.columns().map(move |column| (column, row)));
+        for (found, (column, row)) in drawn.iter().zip(pixels) {
+            let plain = case.plain(column, row);
+            assert!(
+                same(found, &plain),
+                "seed {seed}, {isa}, pixel {column},{row}: {found:?} is not {plain:?}"
+            );
+            let ray = case.ray(column, row);
+            if let Some((index, hit)) = case.world.hit(&ray) {
+                touching += usize::from(case.world.faces_at(&ray, index, &hit).len() > 1);
+            }
+        }
+    }
+    assert!(
+        touching > cases(5000),
+        "only {touching} pixels show where surfaces meet"
     );
 }
 

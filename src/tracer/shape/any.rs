@@ -187,6 +187,56 @@ pub(crate) fn place_some(
     shapes.into_iter().filter_map(place).collect()
 }
 
+/// Returns a shape that touches another one: a copy in its place, a box or a floor at its side, a ball that
+/// shares a point with it, triangles that share its corners.
+pub(crate) fn touching(rng: &mut Rng, other: &Shape) -> Result<Shape, GeometryError> {
+    let Some([low, high]) = other.bounds() else {
+        return Ok(other.clone());
+    };
+    let (size, middle) = (high - low, low + (high - low) * 0.5);
+    let axis = rng.below(3);
+    let side = rng.one(&[-1.0, 1.0]);
+    let along = DVec3::AXES[axis] * side;
+    let edge = rng.one(&[low, high]);
+    match rng.below(8) {
+        0 => Ok(other.clone()),
+        1 => {
+            let place = Transform::new(DVec3::ZERO, None, DVec3::ONE)?;
+            Instances::new([other.clone()], [place]).map(Shape::from)
+        }
+        2 | 3 => {
+            let shift = along * size;
+            let shrunk = rng.one(&[DVec3::ZERO, DVec3::ZERO, 0.25 * size]) * (1.0 - along.abs());
+            let cuboid = Cuboid::new(low + shift + shrunk, high + shift - shrunk);
+            or_sphere(cuboid, middle + shift, size.max_element() * 0.5)
+        }
+        4 => Plane::new(edge, DVec3::AXES[axis] * side).map(Shape::from),
+        5 => {
+            let radius = size[axis].max(1e-3 * size.max_element()) * 0.5;
+            Sphere::new(middle + along * 2.0 * radius, radius).map(Shape::from)
+        }
+        6 => {
+            let [a, b] = [edge, edge + DVec3::AXES[axis] * (high - low)[axis] * side];
+            let apex = a + DVec3::AXES[(axis + 1) % 3] * size.max_element();
+            let roof = Mesh::new(
+                vec![
+                    a,
+                    b,
+                    apex,
+                    apex + DVec3::AXES[(axis + 2) % 3] * size.max_element(),
+                ],
+                vec![[0, 1, 2], [1, 0, 3]],
+            );
+            or_sphere(roof, middle, size.max_element() * 0.5)
+        }
+        _ => or_sphere(
+            Rectangle::new(edge, DVec3::AXES[axis] * side, DVec3::AXES[(axis + 1) % 3]),
+            middle,
+            size.max_element() * 0.5,
+        ),
+    }
+}
+
 /// Returns a placed shape: turned, stretched, mirrored, some of it to a needle or a leaf.
 fn placed(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
     let transform = transform(rng, center, size);
