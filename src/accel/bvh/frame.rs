@@ -185,10 +185,10 @@ impl Frame {
         [center, half.map(|half| half + SLACK as f32 * reach)]
     }
 
-    /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given the
-    /// largest of its numbers: they may lie beside it by 2⁻²⁵ of that, more than boxes are grown.
-    pub(crate) fn is_far(&self, scale: f64) -> bool {
-        scale * self.scale > 64.0
+    /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given how far
+    /// it is from the origin of the ray that arrived there: then it is uncertain by more than boxes are grown.
+    pub(crate) fn is_far(&self, distance: f64) -> bool {
+        distance * self.scale > 256.0
     }
 
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs

@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::{dot, splat3, sub},
+        lanes::{abs, dot, splat3, sub},
         rounding,
         runs::{count, pieces},
         shadow::casters::{Casters, Toward},
@@ -34,6 +34,8 @@ const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 const GROWTH: f64 = 1.5e-7;
 /// The farthest points, as a multiple of the size of the world.
 const FAR: f64 = 64.0;
+/// The farthest eye from which the rounding errors of a point are much less than the growth of balls.
+const NEAR: f64 = 256.0;
 /// The largest number of tiles side by side.
 const MOST: f64 = 512.0;
 /// The least such limit, which grows with the number of balls.
@@ -264,6 +266,14 @@ impl Frame {
             frame.divide(self.side * libm::ldexp(1.0, step));
         }
         frame
+    }
+
+    /// Returns the rays from whose origins points are seen so exactly that the lists hold all shapes that they
+    /// lie on.
+    #[inline(always)]
+    pub(super) fn is_near<S: Simd>(&self, simd: S, origin: [S::F64; 3]) -> S::Mask {
+        let [x, y, z] = sub(origin, splat3(simd, self.origin)).map(abs);
+        x.max(y).max(z).le(simd.splat(NEAR * self.reach))
     }
 
     /// Returns true if there are bounds for all points that are no farther than `distance` from

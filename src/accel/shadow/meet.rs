@@ -274,7 +274,8 @@ impl<'a> Casting<'a> {
         }
         let frame = &lists.frame;
         let seen = frame.see(simd, rays.origin);
-        let has_bounds = seen.has_bounds.bits();
+        let is_near = frame.is_near(simd, points.rays.0[0]);
+        let has_bounds = (seen.has_bounds & is_near).bits();
         *open |= lit & !has_bounds;
         let faces = seen.face.truncate();
         let mut rest = lit & has_bounds;

@@ -159,9 +159,9 @@ impl ContactPoint {
         before.with_reach(4.0 * ((EPSILON + FARTHEST) * self.scale * stretch + errors))
     }
 
-    /// The largest of its numbers, `s`.
-    pub(crate) const fn scale(&self) -> f64 {
-        self.scale
+    /// How far it is from the origin of the ray, along the axis on which that is most.
+    pub(crate) fn distance(&self) -> f64 {
+        (self.point - self.origin).abs().max_element()
     }
 
     /// Returns by how much the equation of a ball that is at most so large may be off 0 at a point on it, or
