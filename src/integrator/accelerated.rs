@@ -73,11 +73,13 @@ impl Queries for Accelerated<'_> {
             && let Some((arriving, hit)) = start.arrival()
         {
             if let Some(found) = hierarchy.nearest_alone(self.world.0, ray, start) {
+                start.settle();
                 return Ok(found);
             }
-            if let Some(contact) = self.contact(arriving, hit) {
+            if let Some(contact) = self.contact(&arriving, hit) {
                 return Err(contact);
             }
+            start.settle();
         }
         let left = start.map_or(&[][..], Departure::left);
         Ok(hierarchy.nearest_before(self.world.0, ray, f64::INFINITY, left))
@@ -103,11 +105,23 @@ impl Queries for Accelerated<'_> {
         let Some((arriving, hit)) = start.arrival() else {
             return hierarchy.transmission(world, ray, t_max, start);
         };
-        let alone = hierarchy.transmission_alone(world, ray, t_max, start);
-        alone.unwrap_or_else(|| {
-            let contact = self.contact(arriving, hit).map(Rc::new);
-            hierarchy.transmission(world, ray, t_max, &start.with(contact))
-        })
+        if let Some(light) = hierarchy.transmission_alone(world, ray, t_max, start) {
+            // In the dark, not all shapes were seen.
+            if light != Radiance::BLACK {
+                start.settle();
+            }
+            return light;
+        }
+        match self.contact(&arriving, hit) {
+            Some(contact) => {
+                let start = start.with(Some(Rc::new(contact)));
+                hierarchy.transmission(world, ray, t_max, &start)
+            }
+            None => {
+                start.settle();
+                hierarchy.transmission(world, ray, t_max, start)
+            }
+        }
     }
 
     fn brightest(&self) -> f64 {

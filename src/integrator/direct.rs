@@ -459,7 +459,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// Returns a start once all faces are known that it lies on.
     fn known(&self, start: &Departure) -> Departure {
         match start.arrival() {
-            Some((ray, hit)) => start.with(self.queries.contact(ray, hit).map(Rc::new)),
+            Some((ray, hit)) => start.with(self.queries.contact(&ray, hit).map(Rc::new)),
             None => start.clone(),
         }
     }

@@ -14,7 +14,7 @@
 //! Glass that meets at a point is one interface: between the first solid of glass in the list that is left
 //! there, else air, and the first that is entered, else air. Where none is, the first pane counts.
 
-use std::{ops::Range, rc::Rc, slice};
+use std::{cell::Cell, ops::Range, rc::Rc, slice};
 
 use glam::DVec3;
 
@@ -59,7 +59,7 @@ pub(crate) struct Departure {
     /// All of the faces, if there are more.
     contact: Option<Rc<Contact>>,
     /// The arriving ray and its `t`, as long as it is not known whether there are more.
-    arrival: Option<(Ray, f64)>,
+    arrival: Cell<Option<(Ray, f64)>>,
     /// The ray begins just before or just after its origin on a line along this direction.
     along: DVec3,
     side: Side,
@@ -405,7 +405,7 @@ impl Departure {
         Self {
             own,
             contact,
-            arrival: None,
+            arrival: Cell::new(None),
             along,
             side: Side::Before,
         }
@@ -414,7 +414,7 @@ impl Departure {
     /// The same where a ray has arrived at `t`, as long as it is not known what other faces are there.
     pub(crate) fn unknown(own: FaceId, ray: &Ray, t: f64) -> Self {
         Self {
-            arrival: Some((*ray, t)),
+            arrival: Cell::new(Some((*ray, t))),
             ..Self::at_hit(own, None, ray.direction())
         }
     }
@@ -423,16 +423,21 @@ impl Departure {
     pub(crate) fn with(&self, contact: Option<Rc<Contact>>) -> Self {
         Self {
             contact,
-            arrival: None,
+            arrival: Cell::new(None),
             ..*self
         }
     }
 
+    /// Notes that there are no more faces.
+    pub(crate) fn settle(&self) {
+        self.arrival.set(None);
+    }
+
     /// The ray that arrived and its hit, as long as it is not known whether there are more faces.
-    pub(crate) fn arrival(&self) -> Option<(&Ray, (usize, Crossing))> {
+    pub(crate) fn arrival(&self) -> Option<(Ray, (usize, Crossing))> {
         let FaceId { geometry, face } = self.own;
-        let (ray, t) = self.arrival.as_ref()?;
-        Some((ray, (geometry, Crossing { t: *t, face })))
+        let (ray, t) = self.arrival.get()?;
+        Some((ray, (geometry, Crossing { t, face })))
     }
 
     /// Returns the start of rays that go through the surface, where one has arrived along a direction.

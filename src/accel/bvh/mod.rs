@@ -189,7 +189,7 @@ impl Hierarchy {
         start: &Departure,
     ) -> Option<Option<(usize, Crossing)>> {
         let (arriving, (_, Crossing { t, .. })) = start.arrival()?;
-        let point = ContactPoint::vague(arriving, t);
+        let point = ContactPoint::vague(&arriving, t);
         let watch = self.watch(world, &point, start)?;
         let found = self.search(world, ray, f64::INFINITY, start.left(), Some(watch))?;
         Some(found.map(|nearest| (nearest.index, nearest.crossing())))
@@ -313,7 +313,7 @@ impl Hierarchy {
         start: &Departure,
     ) -> Option<Radiance> {
         let (arriving, (_, Crossing { t, .. })) = start.arrival()?;
-        let point = ContactPoint::vague(arriving, t);
+        let point = ContactPoint::vague(&arriving, t);
         let watch = self.watch(world, &point, start)?;
         self.light(world, ray, t_max, start, Some(watch))
     }

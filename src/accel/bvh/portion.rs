@@ -14,7 +14,7 @@ use crate::{
             tree::Tree,
             walk::{Nearest, Walk},
         },
-        lanes::{abs, bits, dot, splat3, sub},
+        lanes::{abs, bits, dot, load3, splat3, sub},
         pages::Pages,
         runs::{count, geometries},
     },
@@ -100,7 +100,7 @@ impl Kernel for Near<'_, '_> {
                 let leaf = &shapes.leaves[number];
                 // All spheres that the surface of the box may meet, and so the box itself if it is so much
                 // smaller.
-                let center = leaf.center.each_ref().map(|axis| simd.load(axis));
+                let center = load3(simd, &leaf.center);
                 let radius = simd.load(&leaf.radius);
                 let away = sub(middle, center);
                 let off = abs(dot(away, away) - radius * radius);

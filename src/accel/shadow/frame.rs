@@ -272,8 +272,9 @@ impl Frame {
     /// lie on.
     #[inline(always)]
     pub(super) fn is_near<S: Simd>(&self, simd: S, origin: [S::F64; 3]) -> S::Mask {
-        let [x, y, z] = sub(origin, splat3(simd, self.origin)).map(abs);
-        x.max(y).max(z).le(simd.splat(NEAR * self.reach))
+        let [x, y, z] = sub(origin, splat3(simd, self.origin));
+        let away = abs(x).max(abs(y)).max(abs(z));
+        away.le(simd.splat(NEAR * self.reach))
     }
 
     /// Returns true if there are bounds for all points that are no farther than `distance` from
