@@ -567,11 +567,16 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// Returns the light that a surface reflects like a mirror.
     fn reflection(&self, surface: &Surface, factor: Radiance) -> Shaded {
         self.term("reflected", "reflected part", Value::Light(factor));
-        // Many reflect nothing at all.
-        let start = match self.is_faint(surface.path.factor * factor) {
-            true => Departure::at_hit(surface.own(), None, surface.path.ray.direction()),
-            false => self.start(surface).clone(),
-        };
+        if self.is_faint(surface.path.factor * factor) {
+            // Many reflect nothing at all, and so ask nothing.
+            let alone = Departure::at_hit(surface.own(), None, surface.path.ray.direction());
+            let path = surface.onward(surface.mirrored(), factor, alone);
+            self.queries.tell(Step::Ray(&path));
+            self.queries.tell(Step::Faint);
+            self.queries.tell(Step::Brings(Shaded::default()));
+            return Shaded::default();
+        }
+        let start = self.start(surface).clone();
         let path = surface.onward(surface.mirrored(), factor, start);
         self.follow(path).sent_on(factor)
     }
