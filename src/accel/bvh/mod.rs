@@ -20,7 +20,7 @@ use crate::{
         bvh::{
             build::Builder,
             portion::{Near, Portion, Shapes},
-            walk::{Crossings, Nearest, Walk, Watch},
+            walk::{Crossings, Nearest, OriginWatch, Walk},
         },
         index::index_shapes,
         kept::{WorldOfFrame, built},
@@ -202,7 +202,7 @@ impl Hierarchy {
         world: &World,
         point: &'a ContactPoint,
         start: &Departure,
-    ) -> Option<Watch<'a>> {
+    ) -> Option<OriginWatch<'a>> {
         let (geometries, own) = (world.geometries(), start.own());
         if self
             .shapes()
@@ -210,7 +210,7 @@ impl Hierarchy {
         {
             return None;
         }
-        let mut watch = Watch {
+        let mut watch = OriginWatch {
             point,
             slack: 0.0,
             is_touched: false,
@@ -243,7 +243,7 @@ impl Hierarchy {
         ray: &Ray,
         t_max: f64,
         left: &[FaceId],
-        watch: Option<Watch>,
+        watch: Option<OriginWatch>,
     ) -> Option<Option<Nearest>> {
         let geometries = world.geometries();
         let mut nearest = Nearest::before(t_max);
@@ -327,7 +327,7 @@ impl Hierarchy {
         ray: &Ray,
         t_max: f64,
         start: &Departure,
-        watch: Option<Watch>,
+        watch: Option<OriginWatch>,
     ) -> Option<Radiance> {
         let (geometries, left) = (world.geometries(), start.left());
         // All glass that the ray crosses.

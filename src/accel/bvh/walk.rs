@@ -91,7 +91,7 @@ impl Crossings {
 
 /// The origin of a ray, which is known to lie on one geometry.
 #[derive(Clone, Copy)]
-pub(super) struct Watch<'a> {
+pub(super) struct OriginWatch<'a> {
     pub(super) point: &'a ContactPoint,
     /// By how much the equation of a sphere may be off 0 at a point on it, or more.
     pub(super) slack: f64,
@@ -99,7 +99,7 @@ pub(super) struct Watch<'a> {
     pub(super) is_touched: bool,
 }
 
-impl Watch<'_> {
+impl OriginWatch<'_> {
     /// Notes whether the point may lie on a shape.
     #[inline]
     pub(super) fn see(&mut self, shape: &Shape) -> bool {
@@ -122,7 +122,7 @@ pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) left: &'a [FaceId],
     /// If it is not known whether the ray begins on other geometries too: that is watched for. The walk ends at
     /// the first on which its origin may lie.
-    pub(super) watch: Option<Watch<'a>>,
+    pub(super) watch: Option<OriginWatch<'a>>,
     /// With `ANY`, a collector of the glass that the ray crosses, which does not count as a hit.
     pub(super) glass: Option<&'a mut Crossings>,
 }
