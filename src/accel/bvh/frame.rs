@@ -186,9 +186,10 @@ impl Frame {
     }
 
     /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given how far
-    /// it is from the origin of the ray that arrived there: then it is uncertain by more than boxes are grown.
-    pub(crate) fn is_far(&self, distance: f64) -> bool {
-        distance * self.scale > 256.0
+    /// it is from the origin of the ray that arrived there, and the largest of its numbers: then it is uncertain
+    /// by as much as boxes are grown.
+    pub(crate) fn is_far(&self, [distance, number]: [f64; 2]) -> bool {
+        distance * self.scale > 256.0 || number * self.scale > 65536.0
     }
 
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs

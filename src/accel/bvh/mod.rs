@@ -206,7 +206,7 @@ impl Hierarchy {
         let (geometries, own) = (world.geometries(), start.own());
         if self
             .shapes()
-            .any(|shapes| shapes.frame.is_far(point.distance()))
+            .any(|shapes| shapes.frame.is_far(point.size()))
         {
             return None;
         }

@@ -159,9 +159,11 @@ impl ContactPoint {
         before.with_reach(4.0 * ((EPSILON + FARTHEST) * self.scale * stretch + errors))
     }
 
-    /// How far it is from the origin of the ray, along the axis on which that is most.
-    pub(crate) fn distance(&self) -> f64 {
-        (self.point - self.origin).abs().max_element()
+    /// How far it is from the origin of the ray, along the axis on which that is most, and the largest of its
+    /// numbers, `s`.
+    pub(crate) fn size(&self) -> [f64; 2] {
+        let away = (self.point - self.origin).abs();
+        [away.max_element(), self.scale]
     }
 
     /// Returns by how much the equation of a ball that is at most so large may be off 0 at a point on it, or
