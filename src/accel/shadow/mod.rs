@@ -66,7 +66,7 @@ const BESIDE: f64 = 1.0 / (1 << 28) as f64;
 pub(super) const WRONG: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl<'a, S: Simd> Points<'a, S> {
-    /// Creates points, given the numbers that are known of them.
+    /// Returns the largest coordinate of vectors in the lanes that are asked for.
     #[inline(always)]
     pub(crate) fn most_of(simd: S, asked: u8, vectors: [[S::F64; 3]; 2]) -> f64 {
         let zero = simd.splat(0.0);

@@ -83,7 +83,7 @@ impl Known {
             Some(material) => Self::shown(world.lobes(material)),
         };
         let is_in_place = shape.is_flat() && shape.transform().is_none();
-        let flat = shape.plane(0).filter(|_| is_in_place);
+        let flat = shape.plane().filter(|_| is_in_place);
         let vector = match (shape.sphere(), flat) {
             (Some(sphere), _) => sphere.center(),
             (None, Some(plane)) => plane.unit_normal(),

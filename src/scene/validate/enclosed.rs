@@ -57,7 +57,7 @@ impl Cover {
         let solid = match leaf.geometry {
             GeometryModel::Sphere(sphere) => Solid::Ball(sphere.center.into(), sphere.radius),
             GeometryModel::Box(cuboid) => Solid::Box([cuboid.min.into(), cuboid.max.into()]),
-            GeometryModel::Plane(_) => Solid::behind(&leaf.shape()?.plane(0)?, eyes)?,
+            GeometryModel::Plane(_) => Solid::behind(leaf.shape()?.plane()?, eyes)?,
             _ => return None,
         };
         let is_free = |eye: &Eye| solid.is_beyond(eye);

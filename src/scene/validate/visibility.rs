@@ -110,7 +110,7 @@ fn hidden_in_planes(model: &Model, framing: &Framing) -> Vec<(Ordinal, Ordinal)>
             continue;
         }
         let shape = leaf.shape().filter(|shape| shape.transform().is_none());
-        let Some(own) = shape.and_then(|shape| shape.plane(0)) else {
+        let Some(own) = shape.and_then(|shape| shape.plane().copied()) else {
             continue;
         };
         if is_plane {

@@ -10,7 +10,6 @@ use crate::tracer::{
         axis::{Axis, outward},
         contact::{ContactPoint, NearFace},
         face::{Crossings, Faces, Leaving},
-        plane::Plane,
         span::{Convex, Span},
         working::{Term, Working, open},
     },
@@ -184,7 +183,7 @@ impl Cone {
     pub(crate) const FACES: Faces = Faces::Several;
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
-        if let Some(cap) = self.plane(face) {
+        if let Some(cap) = self.axis.end(face) {
             return cap.unit_normal();
         }
         let (q, e) = self.axis.across(ray);
@@ -254,10 +253,6 @@ impl Convex for Cone {
         let spans = self.spans(ray, leaving);
         let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
         crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    fn plane(&self, face: u64) -> Option<Plane> {
-        self.axis.end(face)
     }
 
     fn is_closed(&self) -> bool {

@@ -9,7 +9,6 @@ use crate::tracer::{
         around::Around,
         contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Faces, Leaving},
-        plane::Plane,
         span::{Convex, Span},
         working::{Term, Working},
     },
@@ -155,15 +154,6 @@ impl Convex for Cuboid {
         let x = self.slab(0, ray, leaving)?;
         let both = x.and(self.slab(1, ray, leaving)?)?;
         both.and(self.slab(2, ray, leaving)?)
-    }
-
-    fn plane(&self, face: u64) -> Option<Plane> {
-        let point = if face.is_multiple_of(2) {
-            self.min
-        } else {
-            self.max
-        };
-        Plane::new(point, self.normal(face)).ok()
     }
 
     /// Returns a depth below the surface: above 0 inside, 0 on it and below 0 outside.

@@ -10,7 +10,6 @@ use crate::tracer::{
         axis::{Axis, outward},
         contact::{ContactPoint, NearFace},
         face::{Crossings, Faces, Leaving},
-        plane::Plane,
         span::{Convex, Round, Span},
         working::{Term, Working, open},
     },
@@ -106,7 +105,7 @@ impl Cylinder {
     pub(crate) const FACES: Faces = Faces::Several;
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
-        self.plane(face).map_or_else(
+        self.axis.end(face).map_or_else(
             || {
                 let (q, e) = self.axis.across(ray);
                 outward(q + t * e, ray)
@@ -163,10 +162,6 @@ impl Convex for Cylinder {
         let spans = self.spans(ray, leaving);
         let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
         crossings.unwrap_or_default().near(&self.around, ray)
-    }
-
-    fn plane(&self, face: u64) -> Option<Plane> {
-        self.axis.end(face)
     }
 
     fn is_closed(&self) -> bool {

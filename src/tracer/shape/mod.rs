@@ -137,15 +137,6 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns the plane of a face, if it is flat, in the space of the shape: before it is
-            /// placed.
-            #[inline]
-            pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-                match self {
-                    $(Self::$shape(shape) => shape.plane(face)),*
-                }
-            }
-
             /// Calls `see` with each face and its place beside a point.
             pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
                 match self {
@@ -424,6 +415,17 @@ impl Shape {
     /// Returns true if the shape is flat.
     pub(crate) fn is_flat(&self) -> bool {
         self.faces() == Faces::Flat
+    }
+
+    /// Returns the plane that a flat shape lies in, before it is placed.
+    pub(crate) fn plane(&self) -> Option<&Plane> {
+        match self.unplaced() {
+            Self::Plane(plane) => Some(plane),
+            Self::Disc(disc) => Some(disc.in_plane()),
+            Self::Rectangle(rectangle) => Some(rectangle.in_plane()),
+            Self::Triangle(triangle) => Some(triangle.in_plane()),
+            _ => None,
+        }
     }
 
     /// Returns what a face bounds, of the faces that belong together.

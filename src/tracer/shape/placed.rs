@@ -13,7 +13,6 @@ use crate::tracer::{
         axis::outward,
         contact::{ContactPoint, NearFace},
         face::{Crossing, Leaving},
-        plane::Plane,
         working::{Term, Working},
     },
     transform::Transform,
@@ -133,11 +132,6 @@ impl Placed {
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         self.shape.each_face_near(&at.before(&self.transform), see);
-    }
-
-    /// The plane of a face of the shape before it is mapped.
-    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-        self.shape.plane(face)
     }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {

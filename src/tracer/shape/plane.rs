@@ -159,10 +159,6 @@ pub(crate) trait Planar {
         }
     }
 
-    fn plane(&self, _: u64) -> Option<Plane> {
-        Some(*self.in_plane())
-    }
-
     fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
         self.in_plane().unit_normal()
     }

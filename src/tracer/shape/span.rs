@@ -16,7 +16,6 @@ use crate::tracer::{
         Membership,
         around::Around,
         face::{Crossing, Crossings, Leaving},
-        plane::Plane,
         working::Term,
     },
 };
@@ -234,10 +233,6 @@ pub(crate) trait Convex {
     fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
         let crossings = self.span(ray, leaving).map(|span| span.crossings(leaving));
         crossings.unwrap_or_default().near(self.hull(), ray)
-    }
-
-    fn plane(&self, _: u64) -> Option<Plane> {
-        None
     }
 
     fn membership(&self, eye: DVec3) -> Membership {

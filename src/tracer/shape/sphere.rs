@@ -10,7 +10,6 @@ use crate::tracer::{
         around::Around,
         contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving, in_front},
-        plane::Plane,
         span::Span,
         working::{Term, Working},
     },
@@ -167,10 +166,6 @@ impl Sphere {
     pub(crate) fn far_from_own(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let Quadratic { a, b, .. } = self.quadratic(ray);
         in_front(-b / a, t_max)
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        None
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {

@@ -35,7 +35,6 @@ use crate::tracer::{
         axis::outward,
         contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Crossing, Crossings, Faces, Leaving},
-        plane::Plane,
         span::Span,
         working::{Term, Working},
     },
@@ -220,10 +219,6 @@ impl Torus {
     pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings<4> {
         let all = self.roots(ray, leaving);
         Crossings(all.map(|t| t.map(Crossing::from))).near(&self.hull(), ray)
-    }
-
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        None
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

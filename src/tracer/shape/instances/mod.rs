@@ -20,7 +20,6 @@ use crate::tracer::{
         indexed::Indexed,
         instances::passage::{Index, Passage},
         placed::placement_terms,
-        plane::Plane,
         working::{Term, Working},
     },
     transform::Transform,
@@ -320,11 +319,6 @@ impl Instances {
             Some(index) => index.each_near(at.around(), &mut test),
             None => (0..self.len()).for_each(test),
         }
-    }
-
-    /// None: planes are compared in a copy alone.
-    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
-        None
     }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {

@@ -24,7 +24,6 @@ use crate::tracer::{
         around::Around,
         contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving, in_front},
-        plane::Plane,
         solid::part::SolidPart,
         span::{Side, Span},
         sphere::Sphere,
@@ -209,12 +208,6 @@ impl Solid {
     pub(crate) fn lanes_off(&self, inside: &[u8], outside: &[u8]) -> u8 {
         let [inside, outside] = self.root.lanes(&|part| [inside[part], outside[part]]);
         inside | outside
-    }
-
-    /// The plane of a face of a part, before the part is mapped.
-    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-        let (part, face) = self.part_of(face);
-        self.parts.get(part)?.shape.plane(face)
     }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
