@@ -616,6 +616,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the light that a surface between two media reflects and lets through.
     fn interface(&self, surface: &Surface, interface: &Interface) -> Result<Shaded, Box<Straight>> {
+        // It may be another face than the one that was hit.
+        self.queries.tell(Step::Surface(surface));
         let (start, color) = (self.start(surface), interface.color());
         if interface.is_joint() {
             self.tell_media(start, interface);

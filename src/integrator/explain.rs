@@ -304,7 +304,7 @@ mod tests {
         geometry::Geometry,
         light::{Directional, Falloff, Headlight, Point},
         material::{Glass, Material, Phong},
-        shape::{plane::Plane, sphere::Sphere},
+        shape::{plane::Plane, rectangle::Rectangle, sphere::Sphere},
         world::Lighting,
     };
 
@@ -397,6 +397,30 @@ mod tests {
                 assert_eq!(again(&steps), world.radiance(&ray), "{steps:#?}");
             }
         }
+    }
+
+    // The mirrored ray crosses the pane where it begins.
+    #[test]
+    fn glass_at_the_start_of_a_ray_is_told() {
+        let mirror = Plane::new(DVec3::ZERO, DVec3::Y).unwrap();
+        let pane = Rectangle::new(DVec3::NEG_Z, DVec3::Y, DVec3::Z * 2.0).unwrap();
+        let geometries = vec![
+            Geometry::new(mirror, Material::Mirror(GREY)),
+            Geometry::new(pane, Glass::new(GREY, 1.5).unwrap()),
+        ];
+        let world = World::new(geometries, GREY).lit(Lighting::new(vec![]));
+        let ray = Ray::new(DVec3::new(1.0, 1.0, 0.0), DVec3::new(-1.0, -1.0, 0.0));
+        let steps = explain(&world, &ray, Tone::default()).unwrap();
+        assert_eq!(steps.parts.sum(), world.radiance(&ray));
+        assert_eq!(again(&steps), world.radiance(&ray), "{steps:#?}");
+        let ends = |ray: &TracedRay| match &ray.end {
+            RayEnd::Surface(surface) => Some((surface.id, surface.t, surface.onward.clone())),
+            _ => None,
+        };
+        let (id, _, onward) = ends(&steps).unwrap();
+        assert_eq!((id, onward.len()), (0, 1));
+        let (id, t, onward) = ends(&onward[0]).unwrap();
+        assert_eq!((id, t, onward.len()), (1, 0.0, 2));
     }
 
     #[test]
