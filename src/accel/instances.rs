@@ -217,11 +217,9 @@ impl Kernel for NearBox<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let [center, half] = self.around;
+        let [from, to] = self.around;
         let is_near = |[low, high]: &[[f32; 3]; 2]| {
-            (0..3).all(|axis| {
-                low[axis] <= center[axis] + half[axis] && center[axis] - half[axis] <= high[axis]
-            })
+            (0..3).all(|axis| low[axis] <= to[axis] && from[axis] <= high[axis])
         };
         let Places {
             tree,

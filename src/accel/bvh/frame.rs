@@ -45,6 +45,8 @@
 //! so that no quotient is infinite or NaN; over the reach of a ray this moves it by 2e-9·reach,
 //! which the slack covers as well.
 
+use std::array;
+
 use glam::DVec3;
 
 use crate::{
@@ -177,12 +179,17 @@ impl Frame {
             .map(|length| (length * self.scale).to_array().map(|x| x as f32))
     }
 
-    /// Returns a box in the frame that meets the boxes of all shapes near another one, given its corners:
-    /// a little larger.
+    /// Returns the corners of a box in the frame that meets the boxes of all shapes near another one, given
+    /// its corners: a little larger. They are finite, so that a lane of a node without a box is outside.
     pub(crate) fn near(&self, corners: [DVec3; 2]) -> [[f32; 3]; 2] {
         let [center, half] = self.hull(&Hull::of_box(corners));
         let reach = center.iter().map(|x| x.abs()).sum::<f32>() + 2.0;
-        [center, half.map(|half| half + SLACK as f32 * reach)]
+        let half = half.map(|half| half + SLACK as f32 * reach);
+        // NaN becomes finite as well.
+        [
+            array::from_fn(|axis| (center[axis] - half[axis]).max(f32::MIN)),
+            array::from_fn(|axis| (center[axis] + half[axis]).min(f32::MAX)),
+        ]
     }
 
     /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given how far

@@ -23,17 +23,16 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Calls `see` with the number of every leaf that may meet a box.
+    /// Calls `see` with the number of every leaf that may meet a box, given its corners, which are finite.
     #[inline(always)]
     pub(crate) fn each_near<S: Simd>(
         &self,
         simd: S,
-        [center, half]: [[f32; 3]; 2],
+        corners: [[f32; 3]; 2],
         mut see: impl FnMut(usize),
     ) {
-        let side = |axis: usize, sign: f32| simd.splat_f32(center[axis] + sign * half[axis]);
-        let low = [side(0, -1.0), side(1, -1.0), side(2, -1.0)];
-        let high = [side(0, 1.0), side(1, 1.0), side(2, 1.0)];
+        let [low, high] =
+            corners.map(|[x, y, z]| [simd.splat_f32(x), simd.splat_f32(y), simd.splat_f32(z)]);
         // Few boxes of a node hold a point.
         let (mut links, mut len, mut below) = ([self.root; FEW], 1, Vec::new());
         loop {

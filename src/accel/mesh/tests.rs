@@ -16,6 +16,7 @@ use crate::{
         ray::{BUNDLE, Bundle, Ray},
         shape::{
             any::{any_mesh, torus},
+            contact::ContactPoint,
             face::{Crossing, FaceId, Leaving},
             mesh::{Index, Mesh, Passage},
             triangle::Triangle,
@@ -354,6 +355,39 @@ fn a_smooth_normal_is_that_of_the_corner_on_the_side_of_the_face() {
         }
     }
     assert!(turned < cases(1000) / 20, "{turned}");
+}
+
+// However far the rays come from: no box in f32 may become one that holds all, even the lanes without a box.
+#[test]
+fn the_faces_near_a_point_are_those_of_the_loop() {
+    let mut rng = Rng(43);
+    let pool = Pool::new(Some(1));
+    let isas = Isa::all();
+    let (mut near, mut far) = (0, 0);
+    let near_faces = |mesh: &Mesh, point: &ContactPoint| {
+        let mut faces = Vec::new();
+        mesh.each_face(point, &mut |face| faces.push(face.face));
+        faces.sort_unstable();
+        faces
+    };
+    for case in 0..cases(CASES) {
+        let mesh = mesh(&mut rng);
+        let points = [(); RAYS].map(|()| {
+            let target = ray(&mut rng, &mesh).origin();
+            let away = rng.vector() * rng.magnitude(-9.0, 60.0);
+            far += usize::from(away.length() > 1e45);
+            ContactPoint::vague(&Ray::new(target - away, away), 1.0)
+        });
+        let faces = points.each_ref().map(|point| near_faces(&mesh, point));
+        let builder = Builder::new(&pool, isas[case % isas.len()]);
+        mesh.index_with(|mesh| Some(Box::new(Triangles::new(mesh, builder)?)));
+        for (point, expected) in points.iter().zip(faces) {
+            assert_eq!(near_faces(&mesh, point), expected, "{point:?} of {mesh:?}");
+            near += usize::from(!expected.is_empty());
+        }
+    }
+    assert!(near > cases(CASES), "only {near} points are near a face");
+    assert!(far > cases(CASES), "only {far} rays come from far away");
 }
 
 #[test]
