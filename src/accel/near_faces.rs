@@ -9,7 +9,14 @@ use crate::{
         shadow::WRONG,
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::shape::{Shape, around::Around, axis::Axis, plane::Planar, solid::Solid},
+    tracer::shape::{
+        Shape,
+        around::Around,
+        axis::Axis,
+        mesh::{Mesh, box_around},
+        plane::Planar,
+        solid::Solid,
+    },
 };
 
 /// A length whose square may be 0 in f64.
@@ -19,6 +26,8 @@ const TINY: f64 = 1e-150;
 pub(crate) struct NearFaces<'a> {
     pub(crate) shape: &'a Shape,
     pub(crate) at: &'a [[f64; LANES]; 3],
+    /// The points that are asked for.
+    pub(crate) lanes: u8,
     /// How far from a point a face may be that it lies on, beside the errors of the face's own numbers.
     pub(crate) reach: f64,
     /// If the points lie on the shape: for each, the number of the face that is not asked for.
@@ -33,6 +42,7 @@ impl Kernel for NearFaces<'_> {
         let near = Near {
             simd,
             at: load3(simd, self.at),
+            lanes: self.lanes,
             except: self.except.map(|faces| simd.load(faces)),
             reach: self.reach + TINY,
         };
@@ -55,6 +65,9 @@ impl Kernel for NearFaces<'_> {
     }
 }
 
+/// The largest number of triangles that are tested, for points nearby.
+const TRIANGLES: usize = 24;
+
 /// The largest number of parts of a solid whose form is considered.
 const PARTS: usize = 16;
 
@@ -62,6 +75,7 @@ const PARTS: usize = 16;
 struct Near<S: Simd> {
     simd: S,
     at: [S::F64; 3],
+    lanes: u8,
     except: Option<S::F64>,
     reach: f64,
 }
@@ -146,6 +160,7 @@ impl<S: Simd> Near<S> {
                                 | ball(1, it.from(), radius).near
                                 | ball(2, it.to(), radius).near
                         }
+                        Shape::Mesh(it) => self.mesh(first, it, in_box & self.lanes),
                         _ if shape.has_faces() => u8::MAX,
                         _ => self.asked(first, u8::MAX),
                     };
@@ -183,9 +198,14 @@ impl<S: Simd> Near<S> {
 
     #[inline(always)]
     fn in_box(&self, around: Option<&Around>) -> u8 {
-        let Some([low, high]) = around.and_then(Around::bounds) else {
-            return u8::MAX;
-        };
+        around
+            .and_then(Around::bounds)
+            .map_or(u8::MAX, |corners| self.between(corners))
+    }
+
+    /// Returns the points that may lie in a box.
+    #[inline(always)]
+    fn between(&self, [low, high]: [DVec3; 2]) -> u8 {
         let reach = self.simd.splat(self.reach);
         let mut inside = u8::MAX;
         for axis in 0..3 {
@@ -203,6 +223,38 @@ impl<S: Simd> Near<S> {
         let normal = normal * (1.0 / normal.abs().max_element());
         let height = dot(q, splat3(self.simd, normal));
         self.beside(face, height, point.abs().max_element())
+    }
+
+    /// Returns which of some points may lie on a triangle of a mesh.
+    #[inline(always)]
+    fn mesh(&self, first: u64, mesh: &Mesh, lanes: u8) -> u8 {
+        let (simd, mask) = (self.simd, self.simd.mask(lanes));
+        let least = |x: S::F64| S::F64::select(mask, x, simd.splat(f64::INFINITY)).smallest();
+        let [x, y, z] = self.at;
+        let low = DVec3::new(least(x), least(y), least(z));
+        let high = -DVec3::new(least(-x), least(-y), least(-z));
+        let (mut triangles, mut count) = ([(0, [DVec3::ZERO; 3]); TRIANGLES], 0);
+        mesh.each_near(
+            [low - self.reach, high + self.reach],
+            &mut |face, corners| {
+                if let Some(triangle) = triangles.get_mut(count) {
+                    *triangle = (face, corners);
+                }
+                count += 1;
+            },
+        );
+        let Some(triangles) = triangles.get(..count) else {
+            return lanes;
+        };
+        let mut near = 0;
+        for (face, corners) in triangles {
+            let [a, b, c] = *corners;
+            let plane = self.plane(first + face, a, (b - a).cross(c - a));
+            if plane.near & lanes & !near != 0 {
+                near |= plane.near & self.between(box_around(*corners));
+            }
+        }
+        near & lanes
     }
 
     /// The side of a cylinder or a cone, given its radius at the beginning and its slope.

@@ -1,6 +1,6 @@
 //! The parts of the light of a ray or a pixel. Layers and explanations have their names.
 
-use std::{array, ops::Add};
+use std::ops::Add;
 
 use crate::tracer::radiance::Radiance;
 
@@ -28,6 +28,16 @@ macro_rules! parts {
                 [$(self.$part),*]
             }
         }
+
+        impl Add for LightParts {
+            type Output = Self;
+
+            /// Adds part by part.
+            #[inline]
+            fn add(self, other: Self) -> Self {
+                Self { $($part: self.$part + other.$part),* }
+            }
+        }
     };
 }
 
@@ -40,6 +50,7 @@ parts! {
 
 impl LightParts {
     /// Returns all light.
+    #[inline]
     pub fn sum(self) -> Radiance {
         let all = self.all().into_iter();
         all.reduce(Radiance::add).unwrap_or_default()
@@ -48,15 +59,5 @@ impl LightParts {
     /// Returns the same with each part mapped.
     pub(crate) fn map(self, map: impl FnMut(Radiance) -> Radiance) -> Self {
         Self::new(self.all().map(map))
-    }
-}
-
-impl Add for LightParts {
-    type Output = Self;
-
-    /// Adds part by part.
-    fn add(self, other: Self) -> Self {
-        let (one, other) = (self.all(), other.all());
-        Self::new(array::from_fn(|part| one[part] + other[part]))
     }
 }

@@ -14,7 +14,7 @@ use crate::{
         material::lobes::LightOfMaterials,
         radiance::Radiance,
         ray::Ray,
-        shape::face::Crossing,
+        shape::face::{Crossing, FaceId},
     },
 };
 
@@ -85,8 +85,13 @@ impl Queries for Accelerated<'_> {
         Ok(hierarchy.nearest_before(self.world.0, ray, f64::INFINITY, left))
     }
 
-    fn finds_contact(&self) -> bool {
-        self.hierarchy.get().is_some()
+    /// Rays find on how many faces they begin, so that it need not be asked before.
+    fn start(&self, own: FaceId, arriving: &Ray, t: f64) -> Departure {
+        let start = Departure::unknown(own, arriving, t);
+        match self.hierarchy.get() {
+            Some(_) => start,
+            None => self.known(&start),
+        }
     }
 
     fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {

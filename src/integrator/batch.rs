@@ -4,8 +4,6 @@
 
 mod surfaces;
 
-use std::rc::Rc;
-
 use glam::DVec3;
 
 use crate::{
@@ -18,7 +16,6 @@ use crate::{
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
-        contact::Departure,
         light::{
             Light,
             falloff::{Fading, Falloff},
@@ -446,11 +443,12 @@ impl<Q: Queries> ShadeRow<'_, Q> {
             });
             let shape = self.world.geometries()[index as usize].shape();
             if shape.has_faces() {
-                near |= same
-                    & rest
+                let lanes = same & rest;
+                near |= lanes
                     & simd.call(NearFaces {
                         shape,
                         at: &at,
+                        lanes,
                         reach: REACH * most,
                         except: Some(&except),
                     });
@@ -500,13 +498,9 @@ impl<Q: Queries> ShadeRow<'_, Q> {
         for lane in bits(found.open) {
             let (geometry, face) = (indices[lane] as usize, faces[lane]);
             let arriving = ray_of(rays, lane);
-            let t = t[lane];
-            let contact = self
-                .queries
-                .contact(&arriving, (geometry, Crossing { t, face }));
             let own = FaceId { geometry, face };
-            let start = Departure::at_hit(own, contact.map(Rc::new), arriving.direction());
-            let ray = toward.ray(arriving.at(t));
+            let start = self.queries.start(own, &arriving, t[lane]);
+            let ray = toward.ray(arriving.at(t[lane]));
             let transmission = self.queries.transmission(&ray, toward.t_max(), &start);
             match transmission {
                 Radiance::BLACK => found.dark |= 1 << lane,

@@ -44,9 +44,17 @@ pub(crate) trait Queries {
         start: Option<&Departure>,
     ) -> Result<Option<(usize, Crossing)>, Contact>;
 
-    /// Returns true if rays find on how many faces they begin, so that it need not be asked before.
-    fn finds_contact(&self) -> bool {
-        false
+    /// Returns where rays begin that a face sends back where a ray has arrived at `t`.
+    fn start(&self, own: FaceId, arriving: &Ray, t: f64) -> Departure {
+        self.known(&Departure::unknown(own, arriving, t))
+    }
+
+    /// Returns a start once all faces are known that it lies on.
+    fn known(&self, start: &Departure) -> Departure {
+        match start.arrival() {
+            Some((ray, hit)) => start.with(self.contact(&ray, hit).map(Rc::new)),
+            None => start.clone(),
+        }
     }
 
     /// Returns [`World::contact_among_all`].
@@ -61,8 +69,10 @@ pub(crate) trait Queries {
     /// Prepares for many questions.
     fn prepare(&self) {}
 
-    /// Receives each step of the evaluation. Only an [explanation](crate::integrator::explain)
-    /// listens.
+    /// True if steps are told. Only to an [explanation](crate::integrator::explain).
+    const LISTENS: bool = false;
+
+    /// Receives each step of the evaluation, for one that listens.
     #[inline(always)]
     fn tell(&self, _: Step) {}
 }
@@ -153,6 +163,7 @@ impl Shaded {
 impl Add for Shaded {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self {
             parts: self.parts + other.parts,
@@ -264,6 +275,7 @@ impl<'a> Surface<'a> {
 
     /// Returns the path of the light that arrives along a direction and leaves, times a factor,
     /// along this path.
+    #[inline]
     fn onward(&self, direction: DVec3, factor: Radiance, start: Departure) -> Path<'static> {
         Path {
             ray: Ray::new(self.hit.point, direction),
@@ -310,12 +322,12 @@ impl<Q: Queries> Integrate for Direct<'_, Q> {
     }
 
     /// Returns the light that the surface of a geometry sends along a path: the sum of its lobes.
-    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
+    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded {
         let id = FaceId {
             geometry: index,
             face: crossing.face,
         };
-        let surface = Surface::new(self.world, &path, crossing.t, id);
+        let surface = Surface::new(self.world, path, crossing.t, id);
         match self.light_of(&surface) {
             Ok(shaded) => shaded,
             Err(straight) => self.follow(straight.path).sent_on(straight.factor),
@@ -349,8 +361,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     }
 
     /// Returns the light that arrives along a path.
-    fn follow(&self, path: Path) -> Shaded {
-        let (mut path, mut factors) = (path, Vec::new());
+    fn follow(&self, mut path: Path) -> Shaded {
+        let mut factors = Vec::new();
         let mut shaded = loop {
             self.queries.tell(Step::Ray(&path));
             match self.step(&path) {
@@ -411,6 +423,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns true if light of which this part arrives at the camera does not show in the picture, even if
     /// it is the brightest of all.
+    #[inline]
     fn is_faint(&self, factor: Radiance) -> bool {
         let part = self.tone.expose(factor).max_channel();
         part < LEAST && part * self.queries.brightest() < LEAST
@@ -436,8 +449,10 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             let scattered = self.scattered(surface, diffuse, highlight);
             shaded.parts.direct = shaded.parts.direct + scattered;
         }
-        if let Some(color) = mirror {
-            shaded = shaded + self.reflection(surface, color.to_linear());
+        if let Some(color) = mirror
+            && let Some(reflected) = self.reflection(surface, color.to_linear())
+        {
+            shaded = shaded + reflected;
         }
         if let Some(glass) = interface {
             shaded = shaded + self.glass(surface, *glass)?;
@@ -447,21 +462,9 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns where rays begin that a surface sends back.
     fn start<'s>(&self, surface: &'s Surface) -> &'s Departure {
-        surface.start.get_or_init(|| {
-            let start = Departure::unknown(surface.own(), &surface.path.ray, surface.hit.t);
-            match self.queries.finds_contact() {
-                true => start,
-                false => self.known(&start),
-            }
-        })
-    }
-
-    /// Returns a start once all faces are known that it lies on.
-    fn known(&self, start: &Departure) -> Departure {
-        match start.arrival() {
-            Some((ray, hit)) => start.with(self.queries.contact(&ray, hit).map(Rc::new)),
-            None => start.clone(),
-        }
+        let (own, ray) = (surface.own(), &surface.path.ray);
+        let start = || self.queries.start(own, ray, surface.hit.t);
+        surface.start.get_or_init(start)
     }
 
     /// Tells a term of the evaluation.
@@ -564,18 +567,19 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.queries.transmission(&ray, t_max, self.start(surface))
     }
 
-    /// Returns the light that a surface reflects like a mirror.
-    fn reflection(&self, surface: &Surface, factor: Radiance) -> Shaded {
+    /// Returns the light that a surface reflects like a mirror, unless that is too faint.
+    #[inline]
+    fn reflection(&self, surface: &Surface, factor: Radiance) -> Option<Shaded> {
         self.term("reflected", "reflected part", Value::Light(factor));
-        if self.is_faint(surface.path.factor * factor) {
-            // Many reflect nothing at all, and so ask nothing.
-            let alone = Departure::at_hit(surface.own(), None, surface.path.ray.direction());
-            let path = surface.onward(surface.mirrored(), factor, alone);
-            self.queries.tell(Step::Ray(&path));
-            self.queries.tell(Step::Faint);
-            self.queries.tell(Step::Brings(Shaded::default()));
-            return Shaded::default();
+        // Many reflect nothing at all, and so ask nothing.
+        match Q::LISTENS || !self.is_faint(surface.path.factor * factor) {
+            true => Some(self.trace_mirrored(surface, factor)),
+            false => None,
         }
+    }
+
+    #[inline(never)]
+    fn trace_mirrored(&self, surface: &Surface, factor: Radiance) -> Shaded {
         let start = self.start(surface).clone();
         let path = surface.onward(surface.mirrored(), factor, start);
         self.follow(path).sent_on(factor)
@@ -583,7 +587,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the light of glass, or of what meets it at its point.
     fn glass(&self, surface: &Surface, glass: Glass) -> Result<Shaded, Box<Straight>> {
-        let start = &self.known(self.start(surface));
+        let start = &self.queries.known(self.start(surface));
         match start.seen(self.world) {
             None => {
                 let (own, is_front) = (start.own(), surface.hit.front_face);
@@ -643,6 +647,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.term("refracted", "(1-F)·lin(color)", Value::Light(refracted));
         let through = start.through(surface.path.ray.direction());
         let path = surface.onward(onward, refracted, through);
-        Ok(self.reflection(surface, reflected) + self.follow(path).sent_on(refracted))
+        let reflection = self.reflection(surface, reflected).unwrap_or_default();
+        Ok(reflection + self.follow(path).sent_on(refracted))
     }
 }

@@ -153,6 +153,8 @@ impl Queries for Listener<'_> {
         transmission
     }
 
+    const LISTENS: bool = true;
+
     fn tell(&self, step: Step) {
         match step {
             Step::Ray(path) => self.open.borrow_mut().push(TracedRay {

@@ -19,7 +19,7 @@ impl Integrate for Flat<'_> {
         Shaded::direct(self.world.color_of(ray).to_linear())
     }
 
-    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
+    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded {
         let hit = self.world.geometries()[index].hit_at(&path.ray, crossing);
         Shaded::direct(hit.color().to_linear())
     }

@@ -20,7 +20,7 @@ pub(crate) trait Integrate {
     fn trace(&self, ray: &Ray) -> Shaded;
 
     /// Returns the light that the surface of a geometry sends along a path.
-    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded;
+    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded;
 }
 
 /// The way in which the light of a world is computed.
@@ -54,7 +54,7 @@ impl<Q: Queries> Integrate for Integrator<'_, Q> {
         }
     }
 
-    fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
+    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded {
         match self {
             Self::Flat(flat) => flat.shade(path, index, crossing),
             Self::Direct(direct) => direct.shade(path, index, crossing),

@@ -66,9 +66,7 @@ impl Color {
     /// Returns the linear light of each channel, in 0..1, by the transfer function of sRGB (IEC
     /// 61966-2-1): `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
     pub fn to_linear(self) -> Radiance {
-        Radiance {
-            channels: [self.r, self.g, self.b].map(linear_of),
-        }
+        Radiance::new(linear_of(self.r), linear_of(self.g), linear_of(self.b))
     }
 
     /// Returns the color of linear light in 0..1, by the inverse of [`Color::to_linear`]: `12.92·l`

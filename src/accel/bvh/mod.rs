@@ -247,14 +247,14 @@ impl Hierarchy {
     ) -> Option<Option<Nearest>> {
         let geometries = world.geometries();
         let mut nearest = Nearest::before(t_max);
-        for index in apart_of(&self.apart, left) {
+        apart_of(&self.apart, left).for_each(|index| {
             let shape = geometries[index].shape();
             let leaving = Leaving::of(left, index);
             // At an equal t the lower index may still win.
             if let Some(crossing) = shape.meet(ray, leaving, nearest.t.next_up()) {
                 nearest.or(Nearest::new(index, crossing));
             }
-        }
+        });
         for shapes in self.shapes() {
             let Some(probe) = shapes.frame.probe(ray) else {
                 if watch.is_some() {

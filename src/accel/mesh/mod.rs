@@ -23,6 +23,7 @@ use crate::{
             traverse::{OneRay, Seek},
             tree::Tree,
         },
+        lanes::{bits, splat3},
         mesh::{
             bundle::FirstOfEach,
             patch::{Lists, Patch, patches_of},
@@ -204,9 +205,10 @@ impl Kernel for Near<'_, '_> {
             patches,
             ..
         } = self.triangles;
+        let around = self.corners.map(|corner| splat3(simd, corner));
         tree.each_near(simd, frame.near(self.corners), |leaf| {
             for patch in patches_of(patches, leaf) {
-                for lane in 0..usize::from(patch.triangles).min(LANES) {
+                for lane in bits(patch.near(simd, around)) {
                     (self.see)(patch.faces[lane].into(), patch.corners_of(lane));
                 }
             }

@@ -12,7 +12,7 @@ use crate::{
         pages::Pages,
     },
     parallel::Pool,
-    simd::LANES,
+    simd::{F64x8, LANES, Mask, Simd},
     tracer::shape::mesh::Mesh,
 };
 
@@ -113,6 +113,21 @@ impl Patch {
             self.corner(b).into(),
             self.corner(c).into(),
         ]
+    }
+
+    /// Returns the triangles whose boxes meet another one, given its corners.
+    #[inline(always)]
+    pub(super) fn near<S: Simd>(&self, simd: S, [from, to]: [[S::F64; 3]; 2]) -> u8 {
+        let mut near = ((1_u16 << self.triangles) - 1) as u8;
+        for axis in 0..3 {
+            let (first, rest) = self.halves(axis);
+            let all = [simd.load(first), simd.load_twice(rest)];
+            let [a, b, c] = self.places;
+            let (a, b, c) = (simd.pick(all, a), simd.pick(all, b), simd.pick(all, c));
+            near &= a.min(b).min(c).le(to[axis]).bits();
+            near &= from[axis].le(a.max(b).max(c)).bits();
+        }
+        near
     }
 
     /// Returns the coordinates of all corners along an axis: the first eight, and four of which the last

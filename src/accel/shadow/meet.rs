@@ -238,7 +238,7 @@ impl<'a> Casting<'a> {
         }
         let mut touched = lit & !points.on(index);
         if touched != 0 {
-            touched &= points.near(simd, &lines[0], shape);
+            touched = points.near(simd, (&lines[0], touched), shape);
         }
         if touched != 0 {
             touched = self.touched(points, touched, index);

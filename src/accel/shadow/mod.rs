@@ -92,13 +92,15 @@ impl<'a, S: Simd> Points<'a, S> {
     /// Returns the points that may lie on a shape which is not the one that was hit, given the points in
     /// memory.
     #[inline(always)]
-    fn near(&self, simd: S, at: &[[f64; LANES]; 3], shape: &Shape) -> u8 {
-        simd.call(NearFaces {
-            shape,
-            at,
-            reach: REACH * self.most,
-            except: None,
-        })
+    fn near(&self, simd: S, (at, lanes): (&[[f64; LANES]; 3], u8), shape: &Shape) -> u8 {
+        lanes
+            & simd.call(NearFaces {
+                shape,
+                at,
+                lanes,
+                reach: REACH * self.most,
+                except: None,
+            })
     }
 
     /// Returns the points on a geometry.

@@ -281,7 +281,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
             let index = world.index_of(id as usize);
             let crossing = world.geometries()[index].crossing_at(&path.ray, t);
-            samples.set(place, integrator.shade(path, index, crossing));
+            samples.set(place, integrator.shade(&path, index, crossing));
         }
         if let Some(mask) = &self.mask {
             for (place, column) in columns.enumerate() {

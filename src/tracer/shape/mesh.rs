@@ -284,16 +284,21 @@ impl Mesh {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
-        let mut test = |face: u64, corners: [DVec3; 3]| {
+        self.each_near(at.around(), &mut |face, corners| {
             if at.is_near(box_around(corners)) {
                 see(&triangle_face(at, face, corners));
             }
-        };
+        });
+    }
+
+    /// Calls `see` with the corners of each triangle whose box meets another one, and maybe with those of
+    /// others.
+    pub(crate) fn each_near(&self, around: [DVec3; 2], see: &mut dyn FnMut(u64, [DVec3; 3])) {
         match self.index.get() {
-            Some(index) => index.each_near(at.around(), &mut test),
+            Some(index) => index.each_near(around, see),
             None => (0..self.triangles.len() as u64).for_each(|face| {
                 if let Some(corners) = self.corners(face) {
-                    test(face, corners);
+                    see(face, corners);
                 }
             }),
         }
@@ -384,7 +389,7 @@ impl Mesh {
 
 /// Returns the plane of a triangle with these corners.
 /// Returns the corners of the box around a triangle.
-fn box_around([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
+pub(crate) fn box_around([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
