@@ -134,7 +134,7 @@ impl World {
         if is_alone {
             return None;
         }
-        let mut distance = 0.0;
+        let mut distance = f64::INFINITY;
         shape.each_face(&point, &mut |near| {
             if near.face == own.face {
                 distance = near.distance;
@@ -152,6 +152,9 @@ impl World {
                 }
             });
         });
+        if !all.iter().any(|(id, _)| *id == own) {
+            all.push((own, NearFace::far(own.face)));
+        }
         all.sort_unstable_by_key(|(id, _)| *id);
         let (ids, faces): (Vec<_>, _) = all.into_iter().unzip();
         (ids.len() > 1).then_some(Contact {
@@ -198,35 +201,43 @@ impl World {
         mut see: impl FnMut(Passed),
     ) {
         all.sort_by(|(one, t), (other, last)| t.total_cmp(last).then(one.cmp(other)));
+        let hits = all.into_iter().map(|(id, t)| (id, self.hit_on(ray, t, id)));
+        let hits: Vec<_> = hits.collect();
         let l = unit(ray.direction());
         let length = ray.direction().length();
-        let cosine = |(id, t): (FaceId, f64)| l.dot(self.hit_on(ray, t, id).normal).abs();
-        let are_one = |one: &(FaceId, f64), other: &(FaceId, f64)| {
-            let far = (ray.origin().abs()).max((other.1 * ray.direction()).abs());
-            let apart = (other.1 - one.1) * length;
-            apart * cosine(*one).min(cosine(*other)) <= TOGETHER * far.max_element()
+        let cosine = |hit: &Hit| l.dot(hit.normal).abs();
+        let are_one = |(_, one): &(FaceId, Hit), (_, other): &(FaceId, Hit)| {
+            let far = (ray.origin().abs()).max((other.t * ray.direction()).abs());
+            let apart = (other.t - one.t) * length;
+            apart * cosine(one).min(cosine(other)) <= TOGETHER * far.max_element()
         };
-        for group in all.chunk_by(are_one) {
-            let Some(&(face, t)) = group.first() else {
+        for group in hits.chunk_by(are_one) {
+            let Some(&(face, hit)) = group.first() else {
                 continue;
             };
-            let factor = match self.crossed_together(ray, group) {
+            let factor = match self.crossed_together(group) {
                 Crossed::Nothing => Radiance::WHITE,
                 Crossed::Opaque(_) => Radiance::BLACK,
+                Crossed::Glass(interface) if interface.face == face => interface.passes(hit, ray),
                 Crossed::Glass(interface) => {
-                    interface.passes(self.hit_on(ray, t, interface.face), ray)
+                    interface.passes(self.hit_on(ray, hit.t, interface.face), ray)
                 }
             };
+            let t = hit.t;
             see(Passed { face, t, factor });
         }
     }
 
-    /// Returns what a ray crosses at crossings that are one.
-    fn crossed_together(&self, ray: &Ray, group: &[(FaceId, f64)]) -> Crossed {
-        let mut all: Vec<_> = group
-            .iter()
-            .map(|(id, t)| (*id, self.hit_on(ray, *t, *id)))
-            .collect();
+    /// Returns what a ray crosses at crossings that are one, given its hits.
+    fn crossed_together(&self, group: &[(FaceId, Hit)]) -> Crossed {
+        if let [(id, hit)] = group
+            && let Some(glass) = hit.material().glass()
+        {
+            // As nearly always.
+            let is_pane = self.body_of(id) == Body::None;
+            return Crossed::Glass(Interface::alone(*id, *glass, hit.front_face, is_pane));
+        }
+        let mut all = group.to_vec();
         all.sort_by_key(|(id, _)| *id);
         let normals = all.iter().map(|(id, hit)| self.sided(id, hit.normal));
         let normals: Vec<_> = normals.collect();

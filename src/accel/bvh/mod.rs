@@ -204,15 +204,16 @@ impl Hierarchy {
         start: &Departure,
     ) -> Option<OriginWatch<'a>> {
         let (geometries, own) = (world.geometries(), start.own());
-        if self
-            .shapes()
-            .any(|shapes| shapes.frame.is_far(point.size()))
-        {
-            return None;
+        let mut largest = 0.0;
+        for shapes in self.shapes() {
+            if shapes.frame.is_far(point.size()) {
+                return None;
+            }
+            largest = shapes.largest.max(largest);
         }
         let mut watch = OriginWatch {
             point,
-            slack: 0.0,
+            slack: point.slack_of_ball(largest),
             is_touched: false,
         };
         let shape = geometries.get(own.geometry)?.shape();
@@ -225,8 +226,6 @@ impl Hierarchy {
         for index in others {
             watch.see(geometries[*index].shape());
         }
-        let largest = self.shapes().map(|shapes| shapes.largest);
-        watch.slack = point.slack_of_ball(largest.fold(0.0, f64::max));
         (!watch.is_touched).then_some(watch)
     }
 

@@ -155,13 +155,12 @@ impl Axis {
         let (q, length) = (at.point - self.from, self.length());
         let height = q.dot(self.w);
         let across = q - height * self.w;
-        see(&at.face(0, &side, || {
-            FaceEdge::of_interval(height, [0.0, length], self.w)
-        }));
+        let ends = || FaceEdge::of_interval(height, [0.0, length], self.w);
+        at.see(0, &side, ends, see);
         let caps = [(1, self.from, radii[0]), (2, self.to, radii[1])];
         for (face, center, radius) in caps.into_iter().filter(|_| is_capped) {
             let equation = FaceEquation::plane(at, center, self.w);
-            see(&at.face(face, &equation, || FaceEdge::of_circle(across, radius)));
+            at.see(face, &equation, || FaceEdge::of_circle(across, radius), see);
         }
     }
 

@@ -81,14 +81,14 @@ impl Capsule {
             move || FaceEdge::of_interval(height, [low - joint, high + joint], w)
         };
         let side = self.axis.side(at, self.radius, 0.0);
-        see(&at.face(0, &side, within([0.0, length])));
+        at.see(0, &side, within([0.0, length]), see);
         let ends = [
             (1, self.from(), [f64::NEG_INFINITY, 0.0]),
             (2, self.to(), [length, f64::INFINITY]),
         ];
         for (face, center, heights) in ends {
             let ball = FaceEquation::ball(at, center, self.radius);
-            see(&at.face(face, &ball, within(heights)));
+            at.see(face, &ball, within(heights), see);
         }
     }
 

@@ -99,6 +99,19 @@ pub(crate) struct NearFace {
     pub(crate) edges: [Option<DVec3>; EDGES],
 }
 
+impl NearFace {
+    /// Creates a face of which nothing is known but that the point does not lie on it.
+    pub(crate) const fn far(face: u64) -> Self {
+        Self {
+            face,
+            distance: f64::INFINITY,
+            is_touched: false,
+            normal: DVec3::ZERO,
+            edges: [None; EDGES],
+        }
+    }
+}
+
 impl ContactPoint {
     /// Creates the point where a ray arrives at `t`, as uncertain as any may be: it lies on no face that
     /// this one does not lie on.
@@ -188,8 +201,25 @@ impl ContactPoint {
         (self.point - center).abs().max_element() <= half + self.reach
     }
 
-    /// Returns a face, given its equation at the point and the edges around it, if it has any.
-    pub(crate) fn face<const N: usize>(
+    /// Calls `see` with a face, given its equation at the point and the edges around it, if it has any, unless
+    /// it is far away, as most are.
+    #[inline]
+    pub(crate) fn see<const N: usize>(
+        &self,
+        face: u64,
+        equation: &FaceEquation,
+        edges: impl FnOnce() -> [FaceEdge; N],
+        see: &mut dyn FnMut(&NearFace),
+    ) {
+        let most = self.reach + EPSILON * equation.size.max_element();
+        let bound = 2.0 * most * equation.gradient.abs().element_sum() + equation.more;
+        let is_far = equation.value.abs() > bound;
+        if !is_far {
+            see(&self.face(face, equation, edges));
+        }
+    }
+
+    fn face<const N: usize>(
         &self,
         face: u64,
         equation: &FaceEquation,
@@ -201,18 +231,7 @@ impl ContactPoint {
             size,
             more,
         } = *equation;
-        let mut near = NearFace {
-            face,
-            distance: f64::INFINITY,
-            is_touched: false,
-            normal: DVec3::ZERO,
-            edges: [None; EDGES],
-        };
-        // Most faces are far away.
-        let most = self.reach + EPSILON * size.max_element();
-        if value.abs() > 2.0 * most * gradient.abs().element_sum() + more {
-            return near;
-        }
+        let mut near = NearFace::far(face);
         let of_mapping = self.error_of_mapping();
         let errors = EPSILON * (self.point.abs() + size) + of_mapping;
         let (normal, stretch) = self.mapped_back(gradient);

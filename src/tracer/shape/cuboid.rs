@@ -96,7 +96,7 @@ impl Cuboid {
                 let [[a, b], [c, d]] = [along((axis + 1) % 3), along((axis + 2) % 3)];
                 [a, b, c, d]
             };
-            see(&at.face(face, &equation, edges));
+            at.see(face, &equation, edges, see);
         }
     }
 

@@ -70,7 +70,7 @@ impl Disc {
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let equation = FaceEquation::plane(at, self.center(), self.normal());
         let edge = || FaceEdge::of_circle(at.point - self.center(), self.radius);
-        see(&at.face(0, &equation, edge));
+        at.see(0, &equation, edge, see);
     }
 
     /// Returns the normal at unit length.

@@ -113,7 +113,7 @@ impl Ellipsoid {
             size: self.center.abs() + ((u + v) + w),
             more: 0.0,
         };
-        see(&at.face(0, &equation, FaceEdge::none));
+        at.see(0, &equation, FaceEdge::none, see);
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

@@ -14,7 +14,7 @@ use crate::tracer::{
         face::{Crossing, Faces, Leaving, in_front},
         indexed::Indexed,
         plane::Plane,
-        triangle::{Sheared, triangle_face},
+        triangle::{Sheared, see_triangle},
         working::{Term, Working},
     },
     vector::{finite, is_direction, unit, weighted},
@@ -286,7 +286,7 @@ impl Mesh {
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         self.each_near(at.around(), &mut |face, corners| {
             if at.is_near(box_around(corners)) {
-                see(&triangle_face(at, face, corners));
+                see_triangle(at, face, corners, see);
             }
         });
     }

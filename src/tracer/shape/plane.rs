@@ -128,7 +128,7 @@ impl Plane {
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let equation = FaceEquation::plane(at, self.point, self.normal);
-        see(&at.face(0, &equation, FaceEdge::none));
+        at.see(0, &equation, FaceEdge::none, see);
     }
 
     /// Returns a depth in the half-space that the normal points away from: above 0 inside, 0 on the

@@ -81,7 +81,7 @@ impl Rectangle {
         let n = self.plane.normal();
         let equation = FaceEquation::plane(at, self.corner(), n);
         let edges = || FaceEdge::of_polygon(&self.corners, n, at.point);
-        see(&at.face(0, &equation, edges));
+        at.see(0, &equation, edges, see);
     }
 
     const fn halves(&self) -> [[DVec3; 3]; 2] {

@@ -175,7 +175,7 @@ impl Sphere {
             more: 4.0 * f64::EPSILON * away.dot(away),
             ..FaceEquation::ball(at, self.center, self.radius)
         };
-        see(&at.face(0, &equation, FaceEdge::none));
+        at.see(0, &equation, FaceEdge::none, see);
     }
 
     pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {

@@ -134,7 +134,7 @@ impl Torus {
             size: self.center.abs() + self.radius + self.tube_radius,
             more: 0.0,
         };
-        see(&at.face(0, &equation, FaceEdge::none));
+        at.see(0, &equation, FaceEdge::none, see);
     }
 
     fn hull(&self) -> Around {

@@ -102,14 +102,18 @@ impl Sheared {
     }
 }
 
-/// Returns a triangle as a face beside a point.
-pub(crate) fn triangle_face(at: &ContactPoint, face: u64, corners: [DVec3; 3]) -> NearFace {
+/// Calls `see` with a triangle as a face beside a point, unless it is far away.
+pub(crate) fn see_triangle(
+    at: &ContactPoint,
+    face: u64,
+    corners: [DVec3; 3],
+    see: &mut dyn FnMut(&NearFace),
+) {
     let [a, b, c] = corners;
     let n = (b - a).cross(c - a);
     let equation = FaceEquation::plane(at, a, n);
-    at.face(face, &equation, || {
-        FaceEdge::of_polygon(&corners, n, at.point)
-    })
+    let edges = || FaceEdge::of_polygon(&corners, n, at.point);
+    at.see(face, &equation, edges, see);
 }
 
 impl Sheared {
@@ -209,7 +213,7 @@ impl Triangle {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
-        see(&triangle_face(at, 0, self.corners));
+        see_triangle(at, 0, self.corners, see);
     }
 
     /// The corners.
