@@ -92,7 +92,7 @@ struct Hits<S: Simd> {
     point: [S::F64; 3],
     /// The rays that arrived there: their origins and directions, and the `t` of the hits.
     rays: ([[S::F64; 3]; 2], S::F64),
-    /// The unit vector to the viewer, if a light shines from there.
+    /// The unit vector to the viewer, if it is asked for.
     v: [S::F64; 3],
     /// The unit normal on the side of the viewer.
     n: [S::F64; 3],
@@ -100,7 +100,7 @@ struct Hits<S: Simd> {
 }
 
 impl<'a> SampleRow<'a> {
-    /// Returns the hits from `start` on, with `v` if that is needed. Lanes behind the end repeat the
+    /// Returns the hits from `start` on, with `v` if a light needs it or a surface. Lanes behind the end repeat the
     /// last sample.
     #[inline(always)]
     fn hits<S: Simd>(
@@ -139,10 +139,31 @@ impl<'a> SampleRow<'a> {
             faces,
             point: add(o, along),
             rays: ([o, d], t),
-            v: if needs_v { negate(unit(d)) } else { d },
+            v: match needs_v || surfaces.kinds.glossy != 0 {
+                true => negate(unit(d)),
+                false => d,
+            },
             n: select(is_front, normal, negate(normal)),
             surfaces,
         }
+    }
+}
+
+impl<S: Simd> Hits<S> {
+    /// Returns `max(0, r·v)^exponent` in some lanes, given the unit vector to a light and its product with
+    /// the normal; 0 in all others.
+    #[inline(always)]
+    fn highlight(&self, simd: S, lanes: u8, l: [S::F64; 3], cosine: S::F64) -> S::F64 {
+        let twice = simd.splat(2.0) * cosine;
+        let [x, y, z] = self.n;
+        let r = sub([twice * x, twice * y, twice * z], l);
+        let (mut cosines, mut highlight) = ([0.0; LANES], [0.0; LANES]);
+        dot(r, self.v).store(&mut cosines);
+        let (_, exponents) = &self.surfaces.highlight;
+        for lane in bits(lanes) {
+            highlight[lane] = libm::pow(cosines[lane].max(0.0), exponents[lane]);
+        }
+        simd.load(&highlight)
     }
 }
 
@@ -311,7 +332,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
             let scatters = (kinds.matte | kinds.scattering) & inside;
             let mut others = kinds.scattering | kinds.clear;
             let zero = simd.splat(0.0);
-            let mut sums = [zero; 3];
+            let (mut sums, mut highlights) = ([zero; 3], [zero; 3]);
             if scatters != 0 {
                 let most = Points::most_of(simd, scatters, [hits.point, hits.rays.0[0]]);
                 let touching = match hits.surfaces.others & scatters {
@@ -353,12 +374,22 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                             shines = shines & !simd.mask(found.dark);
                         }
                     }
-                    for (sum, radiance) in sums.iter_mut().zip(radiance) {
-                        let mut radiance = simd.splat(radiance);
+                    let glossy = kinds.glossy & shines.bits();
+                    let highlight = match glossy {
+                        0 => None,
+                        _ => Some(hits.highlight(simd, glossy, arriving.l, cosine)),
+                    };
+                    for channel in 0..3 {
+                        let mut radiance = simd.splat(radiance[channel]);
                         if let Some(weight) = arriving.weight {
                             radiance = radiance * weight;
                         }
+                        let sum = &mut sums[channel];
                         *sum = S::F64::select(shines, *sum + radiance * cosine, *sum);
+                        if let Some(highlight) = highlight {
+                            let sum = &mut highlights[channel];
+                            *sum = S::F64::select(shines, *sum + radiance * highlight, *sum);
+                        }
                     }
                 }
             }
@@ -372,7 +403,12 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
             }
             for (channel, light) in self.light.iter_mut().enumerate() {
                 let color = hits.surfaces.color[channel];
-                let shown = S::F64::select(hits.surfaces.is_matte, color * sums[channel], color);
+                let mut scattered = color * sums[channel];
+                if kinds.glossy != 0 {
+                    let (highlight, _) = hits.surfaces.highlight;
+                    scattered = scattered + highlight[channel] * highlights[channel];
+                }
+                let shown = S::F64::select(hits.surfaces.is_matte, scattered, color);
                 match light[start..].first_chunk_mut() {
                     Some(to) => shown.store(to),
                     None => {

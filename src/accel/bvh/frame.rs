@@ -192,6 +192,12 @@ impl Frame {
         ]
     }
 
+    /// Returns true if a box, given its corners, may meet one around a shape.
+    pub(crate) fn may_meet(&self, corners: [DVec3; 2]) -> bool {
+        let [low, high] = self.near(corners);
+        (0..3).all(|axis| low[axis] <= 1.0 && -1.0 <= high[axis])
+    }
+
     /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given how far
     /// it is from the origin of the ray that arrived there, and the largest of its numbers: then it is uncertain
     /// by as much as boxes are grown.

@@ -206,7 +206,8 @@ impl Hierarchy {
         let (geometries, own) = (world.geometries(), start.own());
         let mut largest = 0.0;
         for shapes in self.shapes() {
-            if shapes.frame.is_far(point.size()) {
+            let frame = &shapes.frame;
+            if frame.is_far(point.size()) && frame.may_meet(point.around()) {
                 return None;
             }
             largest = shapes.largest.max(largest);

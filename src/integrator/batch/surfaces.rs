@@ -10,8 +10,8 @@ use crate::{
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
     tracer::{
-        material::lobes::Lobes, radiance::Radiance, ray::Bundle, shape::face::Crossing,
-        world::World,
+        color::Color, material::lobes::Lobes, radiance::Radiance, ray::Bundle,
+        shape::face::Crossing, world::World,
     },
 };
 
@@ -47,15 +47,19 @@ struct Known {
     is_sphere: bool,
     /// True if the normal depends on the hit, by an equation other than that of a sphere.
     is_other: bool,
-    /// The linear color of a matte surface, or the light of one that needs none.
+    /// The linear color of a surface that is shaded here, or the light of one that needs none.
     color: [f64; 3],
+    /// The linear color and the exponent of highlights.
+    highlight: ([f64; 3], f64),
     kind: SurfaceKind,
 }
 
 #[derive(Clone, Copy, PartialEq)]
 enum SurfaceKind {
-    /// Scatters the light that arrives.
+    /// Scatters the light that arrives evenly.
     Matte,
+    /// Scatters it also as highlights, and reflects nothing else.
+    Glossy,
     /// Has a light of its own, whatever arrives.
     Constant,
     /// Is shaded by the plain function, and may scatter light.
@@ -74,14 +78,20 @@ impl Known {
                 is_sphere: false,
                 is_other: false,
                 color: world.background().to_linear().channels,
+                highlight: ([0.0; 3], 1.0),
                 kind: SurfaceKind::Constant,
             };
         };
         let shape = geometry.shape();
-        let (color, kind) = match geometry.only_material() {
-            None => (Radiance::BLACK, SurfaceKind::Scattering),
-            Some(material) => Self::shown(world.lobes(material)),
+        let (color, kind, highlight) = match geometry.only_material() {
+            None => (Radiance::BLACK, SurfaceKind::Scattering, None),
+            Some(material) => {
+                let lobes = world.lobes(material);
+                let (color, kind) = Self::shown(lobes);
+                (color, kind, lobes.highlight)
+            }
         };
+        let highlight = highlight.map(|it| (it.color.to_linear().channels, it.exponent));
         let is_in_place = shape.is_flat() && shape.transform().is_none();
         let flat = shape.plane().filter(|_| is_in_place);
         let vector = match (shape.sphere(), flat) {
@@ -95,13 +105,23 @@ impl Known {
             is_sphere: shape.sphere().is_some(),
             is_other: shape.sphere().is_none() && flat.is_none(),
             color: color.channels,
+            highlight: highlight
+                .filter(|_| kind == SurfaceKind::Glossy)
+                .unwrap_or(([0.0; 3], 1.0)),
             kind,
         }
     }
 
     /// Returns the color and the kind of a surface that has one material.
     fn shown(lobes: Lobes) -> (Radiance, SurfaceKind) {
-        let (emission, diffuse) = (lobes.emission, lobes.diffuse);
+        let (emission, diffuse, highlight) = (lobes.emission, lobes.diffuse, lobes.highlight);
+        let mirror = lobes.mirror.filter(|color| *color != Color::BLACK);
+        let is_glossy = Lobes { mirror, ..lobes }
+            == Lobes {
+                diffuse,
+                highlight,
+                ..Lobes::NONE
+            };
         let has_no_more = lobes
             == Lobes {
                 emission,
@@ -111,6 +131,7 @@ impl Known {
         match (emission, diffuse) {
             (Some(emission), None) if has_no_more => (emission.radiance(), SurfaceKind::Constant),
             (None, Some(color)) if has_no_more => (color.to_linear(), SurfaceKind::Matte),
+            (None, Some(color)) if is_glossy => (color.to_linear(), SurfaceKind::Glossy),
             _ if lobes.scatters() => (Radiance::BLACK, SurfaceKind::Scattering),
             _ => (Radiance::BLACK, SurfaceKind::Clear),
         }
@@ -125,6 +146,9 @@ pub(super) struct Surfaces<S: Simd> {
     /// The hits whose normals are yet to be found.
     pub(super) others: u8,
     pub(super) color: [S::F64; 3],
+    /// The linear colors and the exponents of highlights.
+    pub(super) highlight: ([S::F64; 3], [f64; LANES]),
+    /// The hits that scatter the light that arrives and are shaded here.
     pub(super) is_matte: S::Mask,
     pub(super) kinds: Kinds,
 }
@@ -132,7 +156,9 @@ pub(super) struct Surfaces<S: Simd> {
 /// The hits of each [`SurfaceKind`], lane i as bit i.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Kinds {
+    /// Also those that are glossy.
     pub(super) matte: u8,
+    pub(super) glossy: u8,
     pub(super) scattering: u8,
     pub(super) clear: u8,
 }
@@ -142,6 +168,10 @@ impl Kinds {
     fn add(&mut self, kind: SurfaceKind, lanes: u8) {
         match kind {
             SurfaceKind::Matte => self.matte |= lanes,
+            SurfaceKind::Glossy => {
+                self.matte |= lanes;
+                self.glossy |= lanes;
+            }
             SurfaceKind::Constant => {}
             SurfaceKind::Scattering => self.scattering |= lanes,
             SurfaceKind::Clear => self.clear |= lanes,
@@ -167,12 +197,17 @@ impl<S: Simd> Surfaces<S> {
                 is_sphere: flag(known.is_sphere),
                 others: if known.is_other { u8::MAX } else { 0 },
                 color: splat3(simd, DVec3::from(known.color)),
-                is_matte: flag(known.kind == SurfaceKind::Matte),
+                highlight: (
+                    splat3(simd, DVec3::from(known.highlight.0)),
+                    [known.highlight.1; LANES],
+                ),
+                is_matte: flag(kinds.matte != 0),
                 kinds,
             };
         }
         let (mut vector, mut color) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        let (mut is_sphere, mut is_matte) = ([0.0; LANES], [0.0; LANES]);
+        let (mut glow, mut exponents) = ([[0.0; LANES]; 3], [1.0; LANES]);
+        let mut is_sphere = [0.0; LANES];
         let mut others = 0;
         for lane in 0..LANES {
             let known = cache.of(world, indices[lane]);
@@ -182,15 +217,22 @@ impl<S: Simd> Surfaces<S> {
             }
             is_sphere[lane] = f64::from(u8::from(known.is_sphere));
             others |= u8::from(known.is_other) << lane;
-            is_matte[lane] = f64::from(u8::from(known.kind == SurfaceKind::Matte));
             kinds.add(known.kind, 1 << lane);
+            if known.kind == SurfaceKind::Glossy {
+                let (color, exponent) = known.highlight;
+                for (glow, channel) in glow.iter_mut().zip(color) {
+                    glow[lane] = channel;
+                }
+                exponents[lane] = exponent;
+            }
         }
         Self {
             vector: load3(simd, &vector),
             is_sphere: half.lt(simd.load(&is_sphere)),
             others,
             color: load3(simd, &color),
-            is_matte: half.lt(simd.load(&is_matte)),
+            highlight: (load3(simd, &glow), exponents),
+            is_matte: simd.mask(kinds.matte),
             kinds,
         }
     }
