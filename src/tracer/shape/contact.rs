@@ -215,16 +215,12 @@ impl ContactPoint {
         let bound = 2.0 * most * equation.gradient.abs().element_sum() + equation.more;
         let is_far = equation.value.abs() > bound;
         if !is_far {
-            see(&self.face(face, equation, edges));
+            see(&self.face(face, equation, &edges()));
         }
     }
 
-    fn face<const N: usize>(
-        &self,
-        face: u64,
-        equation: &FaceEquation,
-        edges: impl FnOnce() -> [FaceEdge; N],
-    ) -> NearFace {
+    #[inline(never)]
+    fn face(&self, face: u64, equation: &FaceEquation, edges: &[FaceEdge]) -> NearFace {
         let FaceEquation {
             value,
             gradient,
@@ -242,7 +238,7 @@ impl ContactPoint {
         if near.is_touched {
             near.normal = unit(normal);
             let slack = self.uncertainty * stretch + errors.element_sum();
-            for (place, edge) in near.edges.iter_mut().zip(edges()) {
+            for (place, edge) in near.edges.iter_mut().zip(edges) {
                 near.is_touched &= edge.distance >= -slack;
                 let is_on_edge = edge.distance <= slack;
                 *place = is_on_edge.then(|| self.mapped_back(edge.inward).0);
@@ -273,6 +269,7 @@ impl ContactPoint {
 
 impl Shape {
     /// Calls `see` with each face and its place beside a point, if the point is near the shape.
+    #[inline(never)]
     pub(crate) fn each_face_near(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let is_near = match self {
             Self::Sphere(sphere) => at.is_within(sphere.center(), sphere.radius()),
