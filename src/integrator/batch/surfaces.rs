@@ -10,8 +10,8 @@ use crate::{
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
     tracer::{
-        color::Color, material::lobes::Lobes, radiance::Radiance, ray::Bundle,
-        shape::face::Crossing, world::World,
+        material::lobes::Lobes, radiance::Radiance, ray::Bundle, shape::face::Crossing,
+        world::World,
     },
 };
 
@@ -83,15 +83,16 @@ impl Known {
             };
         };
         let shape = geometry.shape();
-        let (color, kind, highlight) = match geometry.only_material() {
-            None => (Radiance::BLACK, SurfaceKind::Scattering, None),
-            Some(material) => {
-                let lobes = world.lobes(material);
-                let (color, kind) = Self::shown(lobes);
-                (color, kind, lobes.highlight)
-            }
-        };
-        let highlight = highlight.map(|it| (it.color.to_linear().channels, it.exponent));
+        let lobes = geometry
+            .only_material()
+            .map(|material| world.lobes(material));
+        let (color, kind) = lobes.map_or(
+            (Radiance::BLACK, SurfaceKind::Scattering),
+            SurfaceKind::shown,
+        );
+        let highlight = lobes
+            .and_then(|lobes| lobes.highlight)
+            .map(|it| (it.color.to_linear().channels, it.exponent));
         let is_in_place = shape.is_flat() && shape.transform().is_none();
         let flat = shape.plane().filter(|_| is_in_place);
         let vector = match (shape.sphere(), flat) {
@@ -105,35 +106,29 @@ impl Known {
             is_sphere: shape.sphere().is_some(),
             is_other: shape.sphere().is_none() && flat.is_none(),
             color: color.channels,
-            highlight: highlight
-                .filter(|_| kind == SurfaceKind::Glossy)
-                .unwrap_or(([0.0; 3], 1.0)),
+            highlight: highlight.unwrap_or(([0.0; 3], 1.0)),
             kind,
         }
     }
+}
 
+impl SurfaceKind {
     /// Returns the color and the kind of a surface that has one material.
-    fn shown(lobes: Lobes) -> (Radiance, SurfaceKind) {
-        let (emission, diffuse, highlight) = (lobes.emission, lobes.diffuse, lobes.highlight);
-        let mirror = lobes.mirror.filter(|color| *color != Color::BLACK);
-        let is_glossy = Lobes { mirror, ..lobes }
-            == Lobes {
-                diffuse,
-                highlight,
-                ..Lobes::NONE
-            };
-        let has_no_more = lobes
-            == Lobes {
-                emission,
-                diffuse,
-                ..Lobes::NONE
-            };
-        match (emission, diffuse) {
-            (Some(emission), None) if has_no_more => (emission.radiance(), SurfaceKind::Constant),
-            (None, Some(color)) if has_no_more => (color.to_linear(), SurfaceKind::Matte),
-            (None, Some(color)) if is_glossy => (color.to_linear(), SurfaceKind::Glossy),
-            _ if lobes.scatters() => (Radiance::BLACK, SurfaceKind::Scattering),
-            _ => (Radiance::BLACK, SurfaceKind::Clear),
+    fn shown(lobes: Lobes) -> (Radiance, Self) {
+        let Lobes {
+            emission,
+            diffuse,
+            highlight,
+            mirror: _,
+            interface: _,
+        } = lobes;
+        let ends = !lobes.sends_rays();
+        match (emission, diffuse, highlight) {
+            (Some(emission), None, None) if ends => (emission.radiance(), Self::Constant),
+            (None, Some(color), None) if ends => (color.to_linear(), Self::Matte),
+            (None, Some(color), Some(_)) if ends => (color.to_linear(), Self::Glossy),
+            _ if lobes.scatters() => (Radiance::BLACK, Self::Scattering),
+            _ => (Radiance::BLACK, Self::Clear),
         }
     }
 }
@@ -206,7 +201,7 @@ impl<S: Simd> Surfaces<S> {
             };
         }
         let (mut vector, mut color) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        let (mut glow, mut exponents) = ([[0.0; LANES]; 3], [1.0; LANES]);
+        let (mut highlight, mut exponents) = ([[0.0; LANES]; 3], [1.0; LANES]);
         let mut is_sphere = [0.0; LANES];
         let mut others = 0;
         for lane in 0..LANES {
@@ -220,8 +215,8 @@ impl<S: Simd> Surfaces<S> {
             kinds.add(known.kind, 1 << lane);
             if known.kind == SurfaceKind::Glossy {
                 let (color, exponent) = known.highlight;
-                for (glow, channel) in glow.iter_mut().zip(color) {
-                    glow[lane] = channel;
+                for (lanes, channel) in highlight.iter_mut().zip(color) {
+                    lanes[lane] = channel;
                 }
                 exponents[lane] = exponent;
             }
@@ -231,7 +226,7 @@ impl<S: Simd> Surfaces<S> {
             is_sphere: half.lt(simd.load(&is_sphere)),
             others,
             color: load3(simd, &color),
-            highlight: (load3(simd, &glow), exponents),
+            highlight: (load3(simd, &highlight), exponents),
             is_matte: simd.mask(kinds.matte),
             kinds,
         }

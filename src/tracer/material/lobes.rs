@@ -48,9 +48,9 @@ impl Lobes<'_> {
         }
     }
 
-    /// Returns true if the surface sends rays on.
-    pub(crate) const fn sends_rays(&self) -> bool {
-        self.mirror.is_some() || self.interface.is_some()
+    /// Returns true if the surface sends rays on. A black mirror sends none.
+    pub(crate) fn sends_rays(&self) -> bool {
+        self.mirror.is_some_and(|color| color != Color::BLACK) || self.interface.is_some()
     }
 
     /// Returns true if the surface scatters the light of lights.
