@@ -46,22 +46,26 @@ impl Kernel for NearFaces<'_> {
             except: self.except.map(|faces| simd.load(faces)),
             reach: self.reach + TINY,
         };
-        let Shape::Solid(solid) = self.shape else {
-            return near.of(self.shape, 0).near;
+        let (solid, other) = match self.shape {
+            Shape::Solid(solid) => (Some(solid), None),
+            other => (None, Some(other)),
         };
+        let parts = solid.into_iter().flat_map(|solid| solid.parts());
         let (mut all, mut inside, mut outside) = (0, [0; PARTS], [0; PARTS]);
-        for (number, part) in solid.parts().enumerate() {
+        for (number, part) in other.into_iter().chain(parts).enumerate() {
             let found = near.of(part, number as u64 * Solid::FACES_OF_PART);
             all |= found.near;
             if number < PARTS {
                 (inside[number], outside[number]) = (found.inside, found.outside);
             }
         }
-        if all == 0 || self.except.is_some() || solid.parts().len() > PARTS {
-            return all;
+        match solid.filter(|solid| solid.parts().len() <= PARTS) {
+            // Where a part is cut away, or inside of others, its faces are not those of the solid.
+            Some(solid) if all != 0 && self.except.is_none() => {
+                all & !solid.lanes_off(&inside, &outside)
+            }
+            _ => all,
         }
-        // Where a part is cut away, or inside of others, its faces are not those of the solid.
-        all & !solid.lanes_off(&inside, &outside)
     }
 }
 

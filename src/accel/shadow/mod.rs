@@ -247,18 +247,20 @@ impl<'a> Shadows<'a> {
     #[inline(always)]
     pub(crate) fn on<S: Simd>(&self, simd: S, mut points: Points<S>, last: &mut Last) -> Shadowed {
         let mut shadowed = Shadowed::default();
-        if let Some(opaque) = &self.opaque {
-            let found = opaque.meet(simd, &points, &mut last.0[0]);
-            shadowed.dark = found.dark;
-            shadowed.open = found.open;
-        }
-        points.asked &= !shadowed.dark;
-        if let Some(glass) = &self.glass
-            && points.asked != 0
-        {
-            let found = glass.meet(simd, &points, &mut last.0[1]);
-            shadowed.glass = found.dark & !shadowed.open;
+        // A loop, because the test is inlined wherever it stands.
+        for (number, last) in last.0.iter_mut().enumerate() {
+            let is_glass = number == 1;
+            let casting = if is_glass { &self.glass } else { &self.opaque };
+            let Some(casting) = casting.as_ref().filter(|_| points.asked != 0) else {
+                continue;
+            };
+            let found = casting.meet(simd, &points, last);
+            match is_glass {
+                true => shadowed.glass = found.dark & !shadowed.open,
+                false => shadowed.dark = found.dark,
+            }
             shadowed.open |= found.open;
+            points.asked &= !found.dark;
         }
         shadowed
     }
