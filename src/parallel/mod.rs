@@ -6,6 +6,7 @@ pub(crate) mod reader;
 pub(crate) mod timings;
 
 use std::{
+    cell::Cell,
     convert::Infallible,
     fmt, fs, io, iter,
     num::NonZero,
@@ -92,6 +93,9 @@ impl Pool {
     /// At most `ahead` items are being made or waiting to be taken. The calling thread is one of
     /// the threads, and makes items while there is no result to take. Stops at the first error of
     /// `take`.
+    ///
+    /// What `make` does in its turn by any pool is done by its own thread alone: it may be what all
+    /// other threads wait for, say a tree that is built once, and none of them would be left to work.
     pub(crate) fn in_order<T: Send, R: Send, E>(
         &self,
         items: impl IntoIterator<Item = T, IntoIter: Send>,
@@ -106,14 +110,42 @@ impl Pool {
             .1
             .map_or(usize::MAX, |most| most.saturating_sub(1));
         let pool = match self {
-            Self::Own(pool) if others > 0 => pool,
-            Self::Process(pool) if others > 0 => pool,
+            Self::Own(pool) if others > 0 && !Making::is_one() => pool,
+            Self::Process(pool) if others > 0 && !Making::is_one() => pool,
             _ => return items.try_for_each(|item| take(make(item))),
         };
         let threads = self.threads();
-        let (queue, make) = (Queue::new(items, ahead, threads), &make);
+        let make = &|item| {
+            let _making = Making::begin();
+            make(item)
+        };
+        let queue = Queue::new(items, ahead, threads);
         let others = others.min(threads - 1);
         pool.in_place_scope(|scope| queue.run(scope, others, make, take))
+    }
+}
+
+/// While it lives, its thread makes an item for others.
+struct Making;
+
+thread_local! {
+    static MAKING: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Making {
+    fn begin() -> Self {
+        MAKING.set(true);
+        Self
+    }
+
+    fn is_one() -> bool {
+        MAKING.get()
+    }
+}
+
+impl Drop for Making {
+    fn drop(&mut self) {
+        MAKING.set(false);
     }
 }
 
@@ -475,6 +507,17 @@ mod tests {
             };
             pool.in_order(0..30, 2, inner, take).unwrap();
             assert!(sums.into_iter().eq((0..30).map(|outer| 190 * outer)));
+        }
+    }
+
+    #[test]
+    fn all_threads_may_wait_for_what_one_of_them_builds() {
+        let pool = Pool::new(Some(3));
+        for _ in 0..200 {
+            let built = OnceLock::new();
+            let build = || pool.map(0..100, |item| item).into_iter().sum::<u32>();
+            let sums = pool.map(0..30, |_| *built.get_or_init(build));
+            assert_eq!(sums, [4950; 30]);
         }
     }
 
