@@ -1,7 +1,7 @@
 //! The index of a shape of many parts, which it is given when a world is prepared.
 
 use crate::{
-    accel::{bvh::build::Builder, instances::index_copies, mesh::index_mesh},
+    accel::{bvh::build::Builder, instances::index_copies, mesh::index_mesh, solid::index_solid},
     tracer::{geometry::Geometry, shape::Shape},
 };
 
@@ -17,6 +17,9 @@ pub(crate) fn index_shapes<'a>(
 fn index_shape(shape: &Shape, builder: Builder<'_>) {
     if let Some(mesh) = shape.mesh() {
         index_mesh(mesh, builder);
+    }
+    if let Some(solid) = shape.solid() {
+        index_solid(solid, builder);
     }
     if let Some(copies) = shape.copies() {
         copies

@@ -3,16 +3,17 @@
 //! [`raster`] serves the rays of a camera, which are known in advance. [`bvh`] serves rays that
 //! start anywhere: a tree over all bounded shapes. Both have fast paths for spheres, and the raster
 //! for planes; any other shape is tested by its own equation, and only where it may be hit.
-//! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`]; so is a list of
-//! copies, in [`instances`].
+//! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`]; so are a list of
+//! copies, in [`instances`], and a solid of many parts, in [`solid`]: their trees are [`places`].
 //! [`shadow`] finds which of many points lie in the shadow of a light.
-//! [`index`] gives meshes and copies their trees.
+//! [`index`] gives meshes, copies and solids their trees.
 //! [`kept`] holds what the frames of an animation share, and [`runs`] the parts of a world that it is of.
 //! [`near_faces`] excludes faces that points do not lie on.
-//! [`round`] tests cylinders and discs by eight rays.
+//! [`convex`] tests cylinders, cones, boxes and discs by eight rays.
 //! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
+mod convex;
 mod index;
 pub(crate) mod instances;
 pub(crate) mod kept;
@@ -20,15 +21,16 @@ pub(crate) mod lanes;
 pub(crate) mod mesh;
 pub(crate) mod near_faces;
 pub(crate) mod pages;
+mod places;
 pub(crate) mod raster;
-mod round;
 pub(crate) mod runs;
 pub(crate) mod shadow;
+mod solid;
 
 use glam::DVec3;
 
 use crate::{
-    accel::round::{FirstOfEach, Round},
+    accel::convex::{FirstOfEach, is_tested},
     simd::Simd,
     tracer::{
         ray::{BUNDLE, Bundle},
@@ -46,23 +48,25 @@ pub(crate) fn first_of_each<S: Simd>(
     bundle: &Bundle,
     leaving: &[Leaving; BUNDLE],
 ) -> [Option<Crossing>; BUNDLE] {
-    match Round::new(shape) {
-        Some(shape) => simd.call(FirstOfEach {
+    match is_tested(shape) {
+        true => simd.call(FirstOfEach {
             shape,
             bundle,
             leaving,
         }),
-        None => shape.first_of_each(bundle, leaving),
+        false => shape.first_of_each(bundle, leaving),
     }
 }
 
 /// Prefetches what a shape refers to, which is not in its place among the others.
 #[inline(always)]
 fn prefetch_inside<S: Simd>(simd: S, shape: &Shape) {
-    match Round::new(shape) {
-        Some(Round::Cylinder(cylinder)) => simd.prefetch(cylinder),
-        Some(Round::Disc(disc)) => simd.prefetch(disc),
-        None => {}
+    match shape {
+        Shape::Cylinder(it) => simd.prefetch(&**it),
+        Shape::Cone(it) => simd.prefetch(&**it),
+        Shape::Cuboid(it) => simd.prefetch(&**it),
+        Shape::Disc(it) => simd.prefetch(&**it),
+        _ => {}
     }
 }
 

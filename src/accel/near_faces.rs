@@ -2,6 +2,7 @@
 //! [`ContactPoint::face`](crate::tracer::shape::contact::ContactPoint).
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::{
     accel::{
@@ -46,23 +47,35 @@ impl Kernel for NearFaces<'_> {
             except: self.except.map(|faces| simd.load(faces)),
             reach: self.reach + TINY,
         };
-        let (solid, other) = match self.shape {
-            Shape::Solid(solid) => (Some(solid), None),
-            other => (None, Some(other)),
+        let mut parts = SmallVec::<[usize; 16]>::new();
+        let solid = match self.shape {
+            Shape::Solid(solid) => {
+                solid.each_near(near.around(self.lanes), &mut |part| parts.push(part));
+                Some(solid)
+            }
+            _ => {
+                parts.push(0);
+                None
+            }
         };
-        let parts = solid.into_iter().flat_map(|solid| solid.parts());
-        let (mut all, mut inside, mut outside) = (0, [0; PARTS], [0; PARTS]);
-        for (number, part) in other.into_iter().chain(parts).enumerate() {
-            let found = near.of(part, number as u64 * Solid::FACES_OF_PART);
-            all |= found.near;
-            if number < PARTS {
-                (inside[number], outside[number]) = (found.inside, found.outside);
+        let (mut all, mut found) = (0, SmallVec::<[(usize, Beside); 16]>::new());
+        // A loop, because the test is inlined wherever it stands.
+        for part in parts {
+            let shape = match solid {
+                Some(solid) => solid.part(part).0,
+                None => self.shape,
+            };
+            let beside = near.of(shape, part as u64 * Solid::FACES_OF_PART);
+            all |= beside.near;
+            if solid.is_some() {
+                found.push((part, beside));
             }
         }
-        match solid.filter(|solid| solid.parts().len() <= PARTS) {
+        match solid {
             // Where a part is cut away, or inside of others, its faces are not those of the solid.
             Some(solid) if all != 0 && self.except.is_none() => {
-                all & !solid.lanes_off(&inside, &outside)
+                let [inside, outside] = solid.sides(&found, &|it| [it.inside, it.outside]);
+                all & !(inside | outside)
             }
             _ => all,
         }
@@ -71,9 +84,6 @@ impl Kernel for NearFaces<'_> {
 
 /// The largest number of triangles that are tested, for points nearby.
 const TRIANGLES: usize = 24;
-
-/// The largest number of parts of a solid whose form is considered.
-const PARTS: usize = 16;
 
 /// Eight points and their reach.
 struct Near<S: Simd> {
@@ -220,6 +230,17 @@ impl<S: Simd> Near<S> {
         inside
     }
 
+    /// Returns the box around all that some points may lie on.
+    #[inline(always)]
+    fn around(&self, lanes: u8) -> [DVec3; 2] {
+        let (simd, mask) = (self.simd, self.simd.mask(lanes));
+        let least = |x: S::F64| S::F64::select(mask, x, simd.splat(f64::INFINITY)).smallest();
+        let [x, y, z] = self.at;
+        let low = DVec3::new(least(x), least(y), least(z));
+        let high = -DVec3::new(least(-x), least(-y), least(-z));
+        [low - self.reach, high + self.reach]
+    }
+
     #[inline(always)]
     fn plane(&self, face: u64, point: DVec3, normal: DVec3) -> Beside {
         let q = sub(self.at, splat3(self.simd, point));
@@ -232,21 +253,13 @@ impl<S: Simd> Near<S> {
     /// Returns which of some points may lie on a triangle of a mesh.
     #[inline(always)]
     fn mesh(&self, first: u64, mesh: &Mesh, lanes: u8) -> u8 {
-        let (simd, mask) = (self.simd, self.simd.mask(lanes));
-        let least = |x: S::F64| S::F64::select(mask, x, simd.splat(f64::INFINITY)).smallest();
-        let [x, y, z] = self.at;
-        let low = DVec3::new(least(x), least(y), least(z));
-        let high = -DVec3::new(least(-x), least(-y), least(-z));
         let (mut triangles, mut count) = ([(0, [DVec3::ZERO; 3]); TRIANGLES], 0);
-        mesh.each_near(
-            [low - self.reach, high + self.reach],
-            &mut |face, corners| {
-                if let Some(triangle) = triangles.get_mut(count) {
-                    *triangle = (face, corners);
-                }
-                count += 1;
-            },
-        );
+        mesh.each_near(self.around(lanes), &mut |face, corners| {
+            if let Some(triangle) = triangles.get_mut(count) {
+                *triangle = (face, corners);
+            }
+            count += 1;
+        });
         let Some(triangles) = triangles.get(..count) else {
             return lanes;
         };

@@ -337,6 +337,30 @@ impl<'a, S: Simd> Together<'a, S> {
     }
 }
 
+impl<S: Simd> Together<'_, S> {
+    /// Returns true if one of the rays may meet a box before `t`, given its lower and upper corners.
+    #[inline(always)]
+    pub(crate) fn meets(&self, [low, high]: &[[f32; 3]; 2], t: f64) -> bool {
+        let Beam {
+            inverse: [one, other],
+            entering,
+            leaving,
+            ..
+        } = self.beam;
+        let (mut enter, mut leave) = (self.beam.nearest, self.beam.distance(t));
+        for axis in 0..3 {
+            let [first, last] = match one[axis] < 0.0 {
+                true => [high[axis], low[axis]],
+                false => [low[axis], high[axis]],
+            };
+            let (first, last) = (first - entering[axis], last - leaving[axis]);
+            enter = enter.max((first * one[axis]).min(first * other[axis]));
+            leave = leave.min((last * one[axis]).max(last * other[axis]));
+        }
+        enter <= leave
+    }
+}
+
 impl<S: Simd> Rays<S> for Together<'_, S> {
     #[inline(always)]
     fn distance(&self, t: f64) -> f32 {

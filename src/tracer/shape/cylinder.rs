@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        around::{Around, Near},
+        around::Around,
         axis::{Axis, outward},
         contact::{ContactPoint, NearFace},
         face::{Crossings, Faces, Leaving},
@@ -86,12 +86,6 @@ impl Cylinder {
     /// The unit vector along the axis.
     pub(crate) const fn unit_axis(&self) -> DVec3 {
         self.axis.w
-    }
-
-    /// Returns a box and a ball that hold nearly all of it.
-    #[inline]
-    pub(crate) fn near(&self) -> Near {
-        self.around.near()
     }
 
     /// Returns the spans of the side and between the ends.

@@ -1,6 +1,6 @@
 //! The index of a shape of many parts, which is built once, when rays come.
 
-use std::sync::OnceLock;
+use std::{fmt, sync::OnceLock};
 
 /// An index, unless it is not built yet.
 pub(crate) struct Indexed<I: ?Sized>(OnceLock<Box<I>>);
@@ -26,5 +26,18 @@ impl<I: ?Sized> Indexed<I> {
             // deadlock if it ran a part of this work.
             drop(self.0.set(index));
         }
+    }
+}
+
+/// A copy of a shape has no index yet.
+impl<I: ?Sized> Clone for Indexed<I> {
+    fn clone(&self) -> Self {
+        Self::none()
+    }
+}
+
+impl<I: fmt::Debug + ?Sized> fmt::Debug for Indexed<I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.get().fmt(f)
     }
 }

@@ -533,7 +533,7 @@ impl Shape {
         }
     }
 
-    /// Returns the first crossing of each ray of a bundle. A mesh finds all of them at once.
+    /// Returns the first crossing of each ray of a bundle. Meshes and solids find all of them at once.
     pub(crate) fn first_of_each(
         &self,
         bundle: &Bundle,
@@ -541,6 +541,7 @@ impl Shape {
     ) -> [Option<Crossing>; BUNDLE] {
         match self {
             Self::Mesh(mesh) => mesh.first_of_each(bundle, leaving),
+            Self::Solid(solid) => solid.first_of_each(bundle, leaving),
             Self::Placed(placed) => placed.first_of_each(bundle, leaving),
             _ => bundle.each(|lane, ray, t_max| self.meet(ray, leaving[lane], t_max)),
         }
@@ -548,7 +549,7 @@ impl Shape {
 
     /// Returns true if it may get an index.
     pub(crate) fn is_indexed(&self) -> bool {
-        self.mesh().is_some() || self.copies().is_some()
+        self.mesh().is_some() || self.copies().is_some() || self.solid().is_some()
     }
 
     /// Returns an equal shape without an index, if it may get one.
@@ -560,16 +561,30 @@ impl Shape {
                 let shapes = shapes.map(|shape| shape.without_index().unwrap_or(shape.clone()));
                 return Some(copies.of_others(shapes).into());
             }
-            _ => self.mesh()?,
+            shape => shape,
         };
-        let copy = Mesh::new(shape.vertices().into(), shape.triangles().into()).ok()?;
-        let copy = Self::from(match shape.is_smooth() {
-            true => copy.smooth(),
-            false => copy,
-        });
+        let copy = match (shape.mesh(), shape.solid()) {
+            (Some(mesh), _) => {
+                let copy = Mesh::new(mesh.vertices().into(), mesh.triangles().into()).ok()?;
+                match mesh.is_smooth() {
+                    true => copy.smooth().into(),
+                    false => copy.into(),
+                }
+            }
+            (None, Some(solid)) => Self::from(solid.clone()),
+            (None, None) => return None,
+        };
         match self.transform() {
             Some(transform) => copy.placed(&(*transform).into()).ok(),
             None => Some(copy),
+        }
+    }
+
+    /// Returns the solid that is combined from others, if it is one.
+    pub(crate) fn solid(&self) -> Option<&Solid> {
+        match self.unplaced() {
+            Self::Solid(solid) => Some(solid),
+            _ => None,
         }
     }
 

@@ -12,18 +12,20 @@ mod part;
 #[cfg(test)]
 mod tests;
 
-use std::{iter, ptr, slice, sync::Arc};
+use std::{fmt, iter, ptr, sync::Arc};
 
 use glam::{BVec3, DVec3};
+use smallvec::SmallVec;
 
 use crate::tracer::{
     error::GeometryError,
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         Membership, Shape,
         around::Around,
         contact::{ContactPoint, NearFace},
         face::{Crossing, Faces, Leaving, in_front},
+        indexed::Indexed,
         solid::part::SolidPart,
         span::{Side, Span},
         sphere::Sphere,
@@ -43,6 +45,25 @@ pub struct Solid {
     root: Node,
     /// The box and the ball around it, if it is bounded.
     around: Option<Around>,
+    index: Indexed<dyn Index>,
+}
+
+/// Finds the parts of a solid that a ray or a point is near, faster than the loop over all parts.
+pub(crate) trait Index: fmt::Debug + Send + Sync {
+    /// Calls `see` with each part that the ray may be inside of at a `t` with `0 ≤ t ≤ t_max`, and maybe
+    /// with others.
+    fn each(&self, ray: &Ray, t_max: f64, see: &mut dyn FnMut(usize));
+
+    /// Calls `see` with each part whose box meets another one, and maybe with others, in their order.
+    fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize));
+
+    /// Returns the first crossing of each ray of a bundle.
+    fn first_of_each(
+        &self,
+        solid: &Solid,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE];
 }
 
 /// The way in which a solid is combined from its operands.
@@ -67,6 +88,8 @@ enum Node {
 struct Combination {
     operation: Operation,
     operands: Vec<Node>,
+    /// The number behind that of the last part of each operand.
+    ends: Vec<usize>,
     /// The box around it, if it is bounded.
     bounds: Option<[DVec3; 2]>,
     /// The operand of an intersection that is smaller than that box.
@@ -90,6 +113,7 @@ impl Solid {
     ) -> Result<Self, GeometryError> {
         let mut parts = Vec::new();
         let mut nodes = Vec::new();
+        let mut ends = Vec::new();
         let mut arounds = Vec::new();
         for operand in operands {
             let shape: Shape = operand.into();
@@ -110,6 +134,7 @@ impl Solid {
                     parts.push(part);
                 }
             }
+            ends.push(parts.len());
             for part in &mut parts[first..] {
                 part.is_cut ^= is_cut;
             }
@@ -126,6 +151,7 @@ impl Solid {
         let root = Node::Of(Box::new(Combination {
             operation,
             operands: nodes,
+            ends,
             bounds,
             smallest,
         }));
@@ -133,7 +159,23 @@ impl Solid {
             parts,
             root,
             around: around.filter(|_| bounds.is_some()),
+            index: Indexed::none(),
         })
+    }
+
+    /// Returns true if it is the union of all its parts.
+    pub(crate) fn is_union(&self) -> bool {
+        self.root.is_union()
+    }
+
+    /// Answers with an index from now on, unless there is one already.
+    pub(crate) fn index_with(&self, build: impl FnOnce(&Self) -> Option<Box<dyn Index>>) {
+        self.index.build(|| build(self));
+    }
+
+    /// Returns the lower and upper corners of the box around a part, if it is bounded.
+    pub(crate) fn box_of(&self, part: usize) -> Option<[DVec3; 2]> {
+        self.parts.get(part)?.around?.bounds()
     }
 
     /// The simple solids in it, from the first to the last.
@@ -169,19 +211,15 @@ impl Solid {
 
     pub(crate) const FACES: Faces = Faces::Several;
 
-    pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Crossings<'a> {
-        let mut more = Vec::new();
-        let spans = self.parts.iter().enumerate().map(|(number, part)| {
-            let first_face = number as u64 * Self::FACES_OF_PART;
-            let leaving = leaving.part(first_face, Self::FACES_OF_PART);
-            let first = part.span(ray, leaving, |span| more.push((number, span)));
-            first.unwrap_or(NOWHERE)
-        });
-        let spans = spans.collect();
+    pub(crate) const fn crossings<'a>(
+        &'a self,
+        ray: &'a Ray,
+        leaving: Leaving<'a>,
+    ) -> Crossings<'a> {
         Crossings {
             solid: self,
             ray,
-            inside: PartSpans::new(spans, more),
+            leaving,
         }
     }
 
@@ -192,22 +230,80 @@ impl Solid {
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
-        for (part, first) in self
-            .parts()
-            .zip((0..).step_by(Self::FACES_OF_PART as usize))
-        {
-            part.each_face_near(at, &mut |found| {
+        self.each_near(at.around(), &mut |part| {
+            let first = part as u64 * Self::FACES_OF_PART;
+            self.parts[part].shape.each_face_near(at, &mut |found| {
                 let face = first + found.face;
                 see(&NearFace { face, ..*found });
             });
+        });
+    }
+
+    /// Returns what is surely inside and what is surely outside of it, lane i as bit i, given the same of
+    /// some parts, in their order: nothing is inside of others.
+    pub(crate) fn sides<T>(&self, parts: &[(usize, T)], of: &impl Fn(&T) -> [u8; 2]) -> [u8; 2] {
+        self.root.sides(parts, of)
+    }
+
+    /// Returns the lanes of those given that are on another side of it before than after, given the sides of
+    /// some parts. Calls `see` with each part whose face is crossed there, and with its lanes.
+    pub(crate) fn crossed<T>(
+        &self,
+        parts: &[(usize, T)],
+        sides: &impl Fn(&T, Side) -> [u8; 2],
+        lanes: u8,
+        see: &mut impl FnMut(&[(usize, T)], u8),
+    ) -> u8 {
+        self.root.crossed(parts, sides, lanes, see)
+    }
+
+    /// Calls `see` with each part whose box meets another one, and maybe with others.
+    pub(crate) fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {
+        match self.index.get() {
+            Some(index) => index.each_near(corners, see),
+            None => (0..self.parts.len()).for_each(see),
         }
     }
 
-    /// Returns which of eight points are surely not on its surface, given those that are surely inside and
-    /// outside of each part.
-    pub(crate) fn lanes_off(&self, inside: &[u8], outside: &[u8]) -> u8 {
-        let [inside, outside] = self.root.lanes(&|part| [inside[part], outside[part]]);
-        inside | outside
+    /// Returns a part, and the box and the ball around it.
+    pub(crate) fn part(&self, part: usize) -> (&Shape, Option<&Around>) {
+        let part = &self.parts[part];
+        (&part.shape, part.around.as_ref())
+    }
+
+    /// Returns true if the point of a ray at `t` lies where the solid may be.
+    pub(crate) fn holds(&self, ray: &Ray, t: f64) -> bool {
+        let around = self.around.as_ref();
+        around.is_none_or(|around| around.holds(ray, t))
+    }
+
+    /// Calls `see` with the spans of a ray inside a part.
+    #[inline]
+    pub(crate) fn each_span(
+        &self,
+        part: usize,
+        ray: &Ray,
+        leaving: Leaving,
+        mut see: impl FnMut(Span),
+    ) {
+        let first_face = part as u64 * Self::FACES_OF_PART;
+        let leaving = leaving.part(first_face, Self::FACES_OF_PART);
+        let mut second = None;
+        let first = self.parts[part].span(ray, leaving, |span| second = Some(span));
+        first.map(&mut see);
+        second.map(see);
+    }
+
+    /// Returns the first crossing of each ray of a bundle.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        match self.index.get() {
+            Some(index) => index.first_of_each(self, bundle, leaving),
+            None => bundle.each(|lane, ray, t_max| self.crossings(ray, leaving[lane]).first(t_max)),
+        }
     }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
@@ -223,10 +319,14 @@ impl Solid {
     /// the whole.
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let crossings = self.crossings(ray, Leaving::NOTHING);
-        let parts = self.parts.iter().enumerate();
-        let lines =
-            parts.flat_map(|(number, part)| part.working(number, ray, crossings.inside.of(number)));
-        let all: Vec<_> = crossings.after(f64::NEG_INFINITY).map(|at| at.t).collect();
+        let spans = crossings.of_parts(0..self.parts.len());
+        let lines = self.parts.iter().enumerate().flat_map(|(number, part)| {
+            let own = spans.iter().filter(|(of, _)| *of == number);
+            part.working(number, ray, own.map(|(_, span)| span))
+        });
+        let all = ends_after(f64::NEG_INFINITY, &spans);
+        let all = all.into_iter().filter_map(|t| crossings.at(t, &spans));
+        let all: Vec<_> = all.map(|at| at.t).collect();
         Working {
             form: Some(self.root.form(&self.parts)),
             parts: Vec::new(),
@@ -271,50 +371,86 @@ impl PartialEq for Solid {
 }
 
 impl Node {
+    fn is_union(&self) -> bool {
+        match self {
+            Self::Part(_) => true,
+            Self::Of(of) => {
+                of.operation == Operation::Union && of.operands.iter().all(Self::is_union)
+            }
+        }
+    }
+
     /// Returns the node for parts that are moved to later indices.
     fn moved(&self, by: usize) -> Self {
         match self {
             Self::Part(part) => Self::Part(part + by),
             Self::Of(of) => Self::Of(Box::new(Combination {
                 operands: of.operands.iter().map(|node| node.moved(by)).collect(),
+                ends: of.ends.iter().map(|end| end + by).collect(),
                 ..(**of).clone()
             })),
         }
     }
 
-    /// Returns true inside, given the parts that are.
-    #[inline]
-    fn is_in(&self, part: &impl Fn(usize) -> bool) -> bool {
-        match self {
-            Self::Part(index) => part(*index),
-            Self::Of(of) => {
-                let mut operands = of.operands.iter().map(|node| node.is_in(part));
-                match of.operation {
-                    Operation::Union => operands.any(|is_in| is_in),
-                    Operation::Intersection => operands.all(|is_in| is_in),
-                    Operation::Difference => {
-                        operands.next().is_some_and(|is_in| is_in) && !operands.any(|is_in| is_in)
-                    }
+    /// Returns [`Solid::sides`].
+    fn sides<T>(&self, parts: &[(usize, T)], of: &impl Fn(&T) -> [u8; 2]) -> [u8; 2] {
+        const NOWHERE: [u8; 2] = [0, u8::MAX];
+        let either =
+            |[inside, outside]: [u8; 2], [one, other]: [u8; 2]| [inside | one, outside & other];
+        let combined = match self {
+            Self::Part(_) => return parts.iter().map(|(_, it)| of(it)).fold(NOWHERE, either),
+            Self::Of(combined) => combined,
+        };
+        let mut met = combined.met(parts);
+        let sides = |(_, (node, parts)): (usize, (&Self, _))| node.sides(parts, of);
+        match combined.operation {
+            Operation::Union => met.map(sides).fold(NOWHERE, either),
+            Operation::Intersection => {
+                let mut count = 0;
+                let all = met.fold([u8::MAX, 0], |[inside, outside], operand| {
+                    count += 1;
+                    let [one, other] = sides(operand);
+                    [inside & one, outside | other]
+                });
+                match count == combined.operands.len() {
+                    true => all,
+                    false => NOWHERE,
                 }
+            }
+            Operation::Difference => {
+                let first = met.next().filter(|(operand, _)| *operand == 0);
+                let Some(first) = first.map(sides) else {
+                    return NOWHERE;
+                };
+                met.fold(first, |[inside, outside], cut| {
+                    let [one, other] = sides(cut);
+                    [inside & other, outside | one]
+                })
             }
         }
     }
 
-    /// Returns the points that are surely inside and outside, lane i as bit i, given those of the parts.
-    fn lanes(&self, part: &impl Fn(usize) -> [u8; 2]) -> [u8; 2] {
-        let of = match self {
-            Self::Part(index) => return part(*index),
-            Self::Of(of) => of,
-        };
-        let mut operands = of.operands.iter().map(|node| node.lanes(part));
-        let first = operands.next().unwrap_or([0, u8::MAX]);
-        operands.fold(first, |[inside, outside], [one, other]| {
-            match of.operation {
-                Operation::Union => [inside | one, outside & other],
-                Operation::Intersection => [inside & one, outside | other],
-                Operation::Difference => [inside & other, outside | one],
+    /// Returns [`Solid::crossed`].
+    fn crossed<T>(
+        &self,
+        parts: &[(usize, T)],
+        sides: &impl Fn(&T, Side) -> [u8; 2],
+        lanes: u8,
+        see: &mut impl FnMut(&[(usize, T)], u8),
+    ) -> u8 {
+        let inside = |side| self.sides(parts, &|part| sides(part, side))[0];
+        let changed = (inside(Side::Before) ^ inside(Side::After)) & lanes;
+        match self {
+            _ if changed == 0 => {}
+            Self::Part(_) => see(parts, changed),
+            Self::Of(of) => {
+                // Of operands that change at one t, the first counts.
+                of.met(parts).fold(changed, |left, (_, (node, parts))| {
+                    left & !node.crossed(parts, sides, left, see)
+                });
             }
-        })
+        }
+        changed
     }
 
     /// Returns the corners of a box around it, if it is bounded.
@@ -449,18 +585,6 @@ impl Node {
         }
     }
 
-    /// Returns the part whose face is crossed at a `t`, if the ray gets inside or outside there.
-    fn crossed(&self, inside: &PartSpans, t: f64) -> Option<usize> {
-        let is_in = |side| self.is_in(&|part| inside.holds(part, t, side));
-        if is_in(Side::Before) == is_in(Side::After) {
-            return None;
-        }
-        match self {
-            Self::Part(part) => Some(*part),
-            Self::Of(of) => of.operands.iter().find_map(|node| node.crossed(inside, t)),
-        }
-    }
-
     /// Returns what it is put together from, such as `Difference(box 0, sphere 1)`.
     fn form(&self, parts: &[SolidPart]) -> String {
         match self {
@@ -536,51 +660,116 @@ impl Node {
     }
 }
 
-/// The crossings of a ray's line with a solid, found one after the other.
+impl Combination {
+    /// Returns the operands that have some of these parts, in their order, and those of each.
+    fn met<'a, T>(
+        &'a self,
+        mut parts: &'a [(usize, T)],
+    ) -> impl Iterator<Item = (usize, MetOperand<'a, T>)> {
+        iter::from_fn(move || {
+            let (first, _) = *parts.first()?;
+            let operand = self.ends.partition_point(|end| *end <= first);
+            let end = *self.ends.get(operand)?;
+            let count = parts.iter().position(|(part, _)| *part >= end);
+            let (own, others) = parts.split_at(count.unwrap_or(parts.len()));
+            parts = others;
+            Some((operand, (&self.operands[operand], own)))
+        })
+    }
+}
+
+/// An operand and what is known of some of its parts.
+type MetOperand<'a, T> = (&'a Node, &'a [(usize, T)]);
+
+/// The crossings of a ray's line with a solid.
 pub(crate) struct Crossings<'a> {
     solid: &'a Solid,
     ray: &'a Ray,
-    inside: PartSpans,
+    leaving: Leaving<'a>,
 }
 
-impl Crossings<'_> {
+/// The spans of a ray inside parts, in their order.
+type PartSpans = SmallVec<[(usize, Span); 6]>;
+
+impl<'a> Crossings<'a> {
     /// Returns true if the ray is inside just before or just after its origin.
     pub(crate) fn is_inside(&self, side: Side) -> bool {
-        let root = &self.solid.root;
-        root.is_in(&|part| self.inside.holds(part, 0.0, side))
+        let sides = |span: &Span| sides_of(span, 0.0, side);
+        let [inside, _] = self.solid.sides(&self.spans(0.0), &sides);
+        inside & 1 == 1
     }
 
     /// Returns the first crossing with `0 < t < t_max`.
     #[inline]
-    pub(crate) fn first(&self, t_max: f64) -> Option<Crossing> {
+    pub(crate) fn first(self, t_max: f64) -> Option<Crossing> {
         self.in_front(t_max).next()
     }
 
-    /// Returns the crossings with `0 < t < t_max`.
-    pub(crate) fn in_front(&self, t_max: f64) -> impl Iterator<Item = Crossing> {
-        self.after(0.0)
-            .take_while(move |at| in_front(at.t, t_max).is_some())
+    /// Returns the crossings with `0 < t < t_max`, from near to far.
+    pub(crate) fn in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
+        let spans = self.spans(t_max);
+        let ends = ends_after(0.0, &spans).into_iter();
+        let ends = ends.take_while(move |t| in_front(*t, t_max).is_some());
+        ends.filter_map(move |t| self.at(t, &spans))
     }
 
-    /// Returns the crossings after a `t`.
-    fn after(&self, t: f64) -> impl Iterator<Item = Crossing> {
-        let Self { solid, ray, inside } = self;
-        let ends = || inside.all().flat_map(|span| [span.enter.t, span.exit.t]);
-        let next = move |last: f64| ends().filter(|t| *t > last).min_by(f64::total_cmp);
-        let all = iter::successors(next(t), move |last| next(*last));
-        let finite = all.take_while(|t| *t < f64::INFINITY);
-        let met = finite.filter_map(|t| {
-            let part = solid.root.crossed(inside, t)?;
-            let mut ends = inside.of(part).flat_map(|span| [span.enter, span.exit]);
-            let Crossing { face, .. } = ends.find(|end| end.t == t)?;
-            let face = part as u64 * Solid::FACES_OF_PART + face;
-            Some(Crossing { t, face })
+    /// Returns the crossing at a `t` where the ray gets inside or outside of a part.
+    fn at(&self, t: f64, spans: &[(usize, Span)]) -> Option<Crossing> {
+        let sides = |span: &Span, side| sides_of(span, t, side);
+        let mut face = None;
+        self.solid.crossed(spans, &sides, 1, &mut |own, _| {
+            let ends = own.iter().flat_map(|(part, span)| {
+                let ends = [span.enter, span.exit].into_iter();
+                ends.map(|end| (end.t, *part as u64 * Solid::FACES_OF_PART + end.face))
+            });
+            face = ends
+                .filter(|(end, _)| *end == t)
+                .map(|(_, face)| face)
+                .next();
         });
-        met.filter(|at| {
-            let around = solid.around.as_ref();
-            around.is_none_or(|around| around.holds(ray, at.t))
-        })
+        let face = face?;
+        let holds = self.solid.holds(self.ray, t);
+        holds.then_some(Crossing { t, face })
     }
+
+    /// Returns the spans inside the parts that the ray may meet at a `t` with `0 ≤ t ≤ t_max`.
+    fn spans(&self, t_max: f64) -> PartSpans {
+        let Some(index) = self.solid.index.get() else {
+            return self.of_parts(0..self.solid.parts.len());
+        };
+        let mut met = SmallVec::<[usize; 16]>::new();
+        index.each(self.ray, t_max, &mut |part| met.push(part));
+        met.sort_unstable();
+        self.of_parts(met)
+    }
+
+    /// Returns the spans inside some parts, in their order.
+    fn of_parts(&self, parts: impl IntoIterator<Item = usize>) -> PartSpans {
+        let mut spans = PartSpans::new();
+        for part in parts {
+            let see = |span| spans.push((part, span));
+            self.solid.each_span(part, self.ray, self.leaving, see);
+        }
+        spans
+    }
+}
+
+/// Returns whether a line is inside of a span or outside just before or just after a `t`, in lane 0.
+fn sides_of(span: &Span, t: f64, side: Side) -> [u8; 2] {
+    let holds = span.holds(t, side);
+    [u8::from(holds), u8::from(!holds)]
+}
+
+/// Returns the finite `t` above one at which spans begin or end, in ascending order.
+fn ends_after(t: f64, spans: &[(usize, Span)]) -> SmallVec<[f64; 12]> {
+    let spans = spans.iter().map(|(_, span)| span);
+    let ends = spans.flat_map(|span| [span.enter.t, span.exit.t]);
+    let mut ends: SmallVec<_> = ends
+        .filter(|end| *end > t && *end < f64::INFINITY)
+        .collect();
+    ends.sort_unstable_by(f64::total_cmp);
+    ends.dedup();
+    ends
 }
 
 /// Returns the corners of a box, given by its lower and upper ones.
@@ -590,45 +779,3 @@ fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
         DVec3::select(BVec3::new(is_high(0), is_high(1), is_high(2)), high, low)
     })
 }
-
-/// The spans of a ray inside the parts of a solid.
-struct PartSpans {
-    /// The first span of each part, and behind them the second spans of parts that are not convex.
-    spans: Vec<Span>,
-    /// The parts of the second spans.
-    more: Vec<usize>,
-}
-
-impl PartSpans {
-    fn new(mut spans: Vec<Span>, more: Vec<(usize, Span)>) -> Self {
-        spans.extend(more.iter().map(|(_, span)| span));
-        let more = more.into_iter().map(|(part, _)| part);
-        Self {
-            spans,
-            more: more.collect(),
-        }
-    }
-
-    fn all(&self) -> slice::Iter<'_, Span> {
-        self.spans.iter()
-    }
-
-    /// Returns the spans inside a part.
-    #[inline]
-    fn of(&self, part: usize) -> impl Iterator<Item = &Span> {
-        let first = self.spans.get(part).filter(|span| **span != NOWHERE);
-        let seconds = self.spans.iter().rev().zip(self.more.iter().rev());
-        let own = seconds.filter(move |(_, of)| **of == part);
-        first.into_iter().chain(own.map(|(span, _)| span))
-    }
-
-    /// Returns true if the points right before or after a `t` are within a part.
-    #[inline]
-    fn holds(&self, part: usize, t: f64, side: Side) -> bool {
-        let holds = |span: &Span| span.holds(t, side);
-        holds(&self.spans[part]) || (!self.more.is_empty() && self.of(part).any(holds))
-    }
-}
-
-/// The span of a ray that misses a part.
-const NOWHERE: Span = Span::new([f64::INFINITY, f64::NEG_INFINITY], 0);

@@ -18,7 +18,7 @@ use crate::tracer::{
         face::{Crossing, FaceId, Leaving},
         instances::Instances,
         plane::Plane,
-        solid::{Operation, Solid},
+        solid::{Operation, Solid, ends_after},
         sphere::Sphere,
     },
     transform::Transform,
@@ -179,11 +179,8 @@ fn compare(solid: &Solid, ray: &Ray, leaving: Leaving, rng: &mut Rng) -> usize {
         .bounds()
         .map_or(10.0, |[low, high]| (high - low).length());
     let unit = size / ray.direction().length();
-    let ends = crossings
-        .inside
-        .all()
-        .flat_map(|span| [span.enter.t, span.exit.t]);
-    let ends: Vec<_> = ends.filter(|t| t.is_finite()).collect();
+    let crossings = solid.crossings(ray, leaving);
+    let ends = ends_after(f64::NEG_INFINITY, &crossings.of_parts(0..solid.parts.len()));
     let far = ends.iter().copied().fold(0.0, f64::max) + unit;
     let beyond = is_in(solid, ray.at(far));
     let mut compared = 0;
