@@ -92,8 +92,8 @@ impl Kernel for FirstOfEach<'_> {
     }
 }
 
-/// The kernel that finds where the lines of a bundle, of rays that leave nothing, cross a shape; `None` if it has
-/// no test for eight rays.
+/// The kernel that finds where the lines of a bundle, of rays that leave nothing, cross a shape that has a test, or a
+/// sphere; `None` if none does.
 pub(super) struct LinesOf<'a> {
     pub(super) shape: &'a Shape,
     /// The box and the ball around it; only a sphere has to be given them.
@@ -147,11 +147,18 @@ impl Kernel for LinesOf<'_> {
             Shape::Disc(it) => disc(simd, it, rays),
             _ => return None,
         };
+        let (counts, odd) = (
+            [lines.counts[0].bits(), lines.counts[1].bits()],
+            lines.odd.bits(),
+        );
+        if counts[0] | counts[1] | odd == 0 {
+            return None;
+        }
         let mut crossed = CrossedLines {
             t: [[0.0; LANES]; 2],
             faces: [[0.0; LANES]; 2],
-            counts: [lines.counts[0].bits(), lines.counts[1].bits()],
-            odd: lines.odd.bits(),
+            counts,
+            odd,
             near: lines.near,
         };
         for (end, (t, face)) in lines.ends.into_iter().enumerate() {

@@ -59,10 +59,9 @@ struct Prototype {
 
 impl Copies {
     fn new(copies: &Instances, builder: Builder<'_>) -> Option<Self> {
-        let all: Vec<_> = (0..copies.len()).collect();
+        let (all, box_of) = (0..copies.len(), |copy| copies.box_of(copy));
         let whole = copies.bounds().filter(|_| all.len() >= FEW);
-        let places =
-            whole.and_then(|whole| Places::new(whole, &all, |copy| copies.box_of(copy), builder));
+        let places = whole.and_then(|whole| Places::new(whole, all, box_of, builder));
         let prototype = (copies.shapes().len() > FEW_SHAPES).then(|| {
             let shapes = copies.shapes();
             let shapes = shapes.map(|shape| Geometry::new(shape.clone(), Color::BLACK));

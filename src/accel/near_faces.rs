@@ -74,7 +74,7 @@ impl Kernel for NearFaces<'_> {
         match solid {
             // Where a part is cut away, or inside of others, its faces are not those of the solid.
             Some(solid) if all != 0 && self.except.is_none() => {
-                let [inside, outside] = solid.sides(&found, &|it| [it.inside, it.outside]);
+                let [inside, outside] = solid.root().sides(&found, &|it| [it.inside, it.outside]);
                 all & !(inside | outside)
             }
             _ => all,

@@ -42,25 +42,25 @@ impl Places {
     /// has no box, or if they are too many, too large or all one point.
     pub(super) fn new(
         whole: [DVec3; 2],
-        numbers: &[usize],
+        numbers: impl ExactSizeIterator<Item = usize> + Clone,
         box_of: impl Fn(usize) -> Option<[DVec3; 2]>,
         builder: Builder<'_>,
     ) -> Option<Self> {
         let whole = Hull::of_box(whole);
-        let last = *numbers.iter().max()?;
+        let last = numbers.clone().max()?;
         if last >= Item::LAST || !whole.is_ordinary() {
             return None;
         }
-        let frame = Frame::around(std::iter::once(whole))?;
+        let (frame, count) = (Frame::around(std::iter::once(whole))?, numbers.len());
         let hull = |number: usize| Some(frame.hull(&Hull::of_box(box_of(number)?)));
-        let mut items = Pages::zeroed(numbers.len());
-        for (number, item) in numbers.iter().zip(items.as_mut()) {
-            let [center, half] = hull(*number)?;
-            *item = Item::new(center, half, *number as u32);
+        let mut items = Pages::zeroed(count);
+        for (number, item) in numbers.zip(items.as_mut()) {
+            let [center, half] = hull(number)?;
+            *item = Item::new(center, half, number as u32);
         }
         let (tree, lists) = builder.tree(items, Lists::default())?;
         let (mut boxes, mut firsts) = (Vec::new(), Vec::new());
-        boxes.reserve_exact(numbers.len());
+        boxes.reserve_exact(count);
         for list in 0..lists.len() {
             firsts.push(boxes.len() as u32);
             for number in lists.of(list) {

@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use crate::{
     accel::{
-        convex::LinesOf,
+        convex::{LinesOf, is_tested},
         lanes::{bits, load3},
         places::Met,
         solid::Parts,
@@ -219,7 +219,7 @@ impl FirstOfEach<'_> {
                 }
             }
         };
-        self.solid.crossed(spans, &sides, lanes, &mut see);
+        self.solid.root().crossed(spans, &sides, lanes, &mut see);
         (done, count)
     }
 }
@@ -276,25 +276,27 @@ impl Kernel for SpansOfPart<'_> {
         let FirstOfEach { solid, bundle, .. } = *of;
         let mut first = SpanOfEach::NONE;
         let (shape, around) = solid.part(part);
-        let found = simd.call(LinesOf {
-            shape,
-            around,
-            bundle,
-        });
-        if let Some(found) = found {
+        if is_tested(shape) || (shape.sphere().is_some() && around.is_some()) {
             let leave_nothing = bits(lanes).filter(|lane| of.leaving[*lane].is_empty());
             let plain = leave_nothing.fold(0, |lanes, lane| lanes | 1 << lane);
-            let (enter, exit) = (simd.load(&found.t[0]), simd.load(&found.t[1]));
-            let meets = found.counts[0] & enter.lt(exit).bits();
-            let mut sure = !found.odd;
-            if meets & plain != 0 {
-                let both = found.holds(simd, bundle, enter) & found.holds(simd, bundle, exit);
-                sure &= !meets | both;
-                for end in 0..2 {
-                    let (t, nowhere) = (simd.load(&found.t[end]), simd.load(&first.t[end]));
-                    let t = S::F64::select(simd.mask(meets), t, nowhere);
-                    t.store(&mut first.t[end]);
-                    first.faces[end] = found.faces[end].map(|face| face as u8);
+            let mut sure = u8::MAX;
+            if let Some(found) = simd.call(LinesOf {
+                shape,
+                around,
+                bundle,
+            }) {
+                let (enter, exit) = (simd.load(&found.t[0]), simd.load(&found.t[1]));
+                let meets = found.counts[0] & enter.lt(exit).bits();
+                sure &= !found.odd;
+                if meets & plain != 0 {
+                    let both = found.holds(simd, bundle, enter) & found.holds(simd, bundle, exit);
+                    sure &= !meets | both;
+                    for end in 0..2 {
+                        let (t, nowhere) = (simd.load(&found.t[end]), simd.load(&first.t[end]));
+                        let t = S::F64::select(simd.mask(meets), t, nowhere);
+                        t.store(&mut first.t[end]);
+                        first.faces[end] = found.faces[end].map(|face| face as u8);
+                    }
                 }
             }
             lanes &= !(sure & plain);

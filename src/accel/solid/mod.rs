@@ -53,13 +53,19 @@ impl Parts {
         let whole = boxes.fold(none, |[low, high], [least, most]| {
             [low.min(least), high.max(most)]
         });
-        let places = (bounded.len() >= FEW)
-            .then(|| Places::new(whole, &bounded, |part| solid.box_of(part), builder));
+        let places = (bounded.len() >= FEW).then(|| {
+            Places::new(
+                whole,
+                bounded.iter().copied(),
+                |part| solid.box_of(part),
+                builder,
+            )
+        });
         Self {
             isa: builder.isa,
             all,
             places: places.flatten(),
-            is_union: solid.is_union() && others.is_empty(),
+            is_union: solid.root().is_union() && others.is_empty(),
             others,
         }
     }
@@ -134,7 +140,10 @@ mod tests {
 
     /// Returns a solid of many parts, some of which touch or are combined themselves.
     fn many(rng: &mut Rng) -> Solid {
-        let count = rng.one(&[3, 10, 30, 100]) + rng.below(10);
+        let count = match rng.below(60) {
+            0 => 2000,
+            _ => rng.one(&[3, 10, 30, 100]) + rng.below(10),
+        };
         let room = match rng.below(20) {
             0 => rng.magnitude(-60.0, 60.0),
             _ => rng.magnitude(-3.0, 3.0),

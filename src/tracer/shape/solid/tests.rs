@@ -18,7 +18,7 @@ use crate::tracer::{
         face::{Crossing, FaceId, Leaving},
         instances::Instances,
         plane::Plane,
-        solid::{Operation, Solid, ends_after},
+        solid::{Operation, Solid, crossings::ends_after},
         sphere::Sphere,
     },
     transform::Transform,

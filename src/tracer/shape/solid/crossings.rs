@@ -1,0 +1,103 @@
+//! Where a ray's line crosses a solid.
+
+use smallvec::SmallVec;
+
+use crate::tracer::{
+    ray::Ray,
+    shape::{
+        face::{Crossing, Leaving, in_front},
+        solid::Solid,
+        span::{Side, Span},
+    },
+};
+
+/// The crossings of a ray's line with a solid.
+pub(crate) struct Crossings<'a> {
+    pub(super) solid: &'a Solid,
+    pub(super) ray: &'a Ray,
+    pub(super) leaving: Leaving<'a>,
+}
+
+/// The spans of a ray inside parts, in their order.
+pub(super) type PartSpans = SmallVec<[(usize, Span); 6]>;
+
+impl<'a> Crossings<'a> {
+    /// Returns true if the ray is inside just before or just after its origin.
+    pub(crate) fn is_inside(&self, side: Side) -> bool {
+        let sides = |span: &Span| sides_of(span, 0.0, side);
+        let [inside, _] = self.solid.root.sides(&self.spans(0.0), &sides);
+        inside & 1 == 1
+    }
+
+    /// Returns the first crossing with `0 < t < t_max`.
+    #[inline]
+    pub(crate) fn first(self, t_max: f64) -> Option<Crossing> {
+        self.in_front(t_max).next()
+    }
+
+    /// Returns the crossings with `0 < t < t_max`, from near to far.
+    pub(crate) fn in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
+        let spans = self.spans(t_max);
+        let ends = ends_after(0.0, &spans).into_iter();
+        let ends = ends.take_while(move |t| in_front(*t, t_max).is_some());
+        ends.filter_map(move |t| self.at(t, &spans))
+    }
+
+    /// Returns the crossing at a `t` where the ray gets inside or outside of a part.
+    pub(super) fn at(&self, t: f64, spans: &[(usize, Span)]) -> Option<Crossing> {
+        let sides = |span: &Span, side| sides_of(span, t, side);
+        let mut face = None;
+        self.solid.root.crossed(spans, &sides, 1, &mut |own, _| {
+            let ends = own.iter().flat_map(|(part, span)| {
+                let ends = [span.enter, span.exit].into_iter();
+                ends.map(|end| (end.t, *part as u64 * Solid::FACES_OF_PART + end.face))
+            });
+            face = ends
+                .filter(|(end, _)| *end == t)
+                .map(|(_, face)| face)
+                .next();
+        });
+        let face = face?;
+        let holds = self.solid.holds(self.ray, t);
+        holds.then_some(Crossing { t, face })
+    }
+
+    /// Returns the spans inside the parts that the ray may meet at a `t` with `0 ≤ t ≤ t_max`.
+    fn spans(&self, t_max: f64) -> PartSpans {
+        let Some(index) = self.solid.index.get() else {
+            return self.of_parts(0..self.solid.parts.len());
+        };
+        let mut met = SmallVec::<[usize; 16]>::new();
+        index.each(self.ray, t_max, &mut |part| met.push(part));
+        met.sort_unstable();
+        self.of_parts(met)
+    }
+
+    /// Returns the spans inside some parts, in their order.
+    pub(super) fn of_parts(&self, parts: impl IntoIterator<Item = usize>) -> PartSpans {
+        let mut spans = PartSpans::new();
+        for part in parts {
+            let see = |span| spans.push((part, span));
+            self.solid.each_span(part, self.ray, self.leaving, see);
+        }
+        spans
+    }
+}
+
+/// Returns whether a line is inside of a span or outside just before or just after a `t`, in lane 0.
+fn sides_of(span: &Span, t: f64, side: Side) -> [u8; 2] {
+    let holds = span.holds(t, side);
+    [u8::from(holds), u8::from(!holds)]
+}
+
+/// Returns the finite `t` above one at which spans begin or end, in ascending order.
+pub(super) fn ends_after(t: f64, spans: &[(usize, Span)]) -> SmallVec<[f64; 12]> {
+    let spans = spans.iter().map(|(_, span)| span);
+    let ends = spans.flat_map(|span| [span.enter.t, span.exit.t]);
+    let mut ends: SmallVec<_> = ends
+        .filter(|end| *end > t && *end < f64::INFINITY)
+        .collect();
+    ends.sort_unstable_by(f64::total_cmp);
+    ends.dedup();
+    ends
+}
