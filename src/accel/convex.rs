@@ -3,7 +3,7 @@
 //! and the parts of solids.
 
 use crate::{
-    accel::lanes::{across, dot, load3, splat3, sub, surely_holds},
+    accel::lanes::{across, bits, dot, load3, splat3, sub, surely_holds},
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         ray::{BUNDLE, Bundle},
@@ -59,34 +59,28 @@ impl Kernel for FirstOfEach<'_> {
             around,
             bundle,
         });
-        let Some(found) = found else {
-            return [None; BUNDLE];
-        };
-        let (zero, t_max) = (simd.splat(0.0), simd.load(bundle.t_max()));
-        let (one, other) = (simd.load(&found.t[0]), simd.load(&found.t[1]));
-        let near = found.counts[0] & (zero.lt(one) & one.lt(t_max)).bits();
-        let far = found.counts[1] & (zero.lt(other) & other.lt(t_max)).bits();
-        let t = S::F64::select(simd.mask(near), one, other);
-        let (mut met, mut odd) = ((near | far) & plain, found.odd | !plain);
-        if met != 0 {
-            odd |= met & !found.holds(simd, bundle, t);
-        }
-        odd &= wanted;
-        met &= !odd;
-        if met | odd == 0 {
-            return [None; BUNDLE];
-        }
-        let mut at = [0.0; LANES];
-        t.store(&mut at);
         let mut crossings = [None; BUNDLE];
-        for (lane, crossing) in crossings.iter_mut().enumerate() {
-            if met >> lane & 1 == 1 {
-                let end = usize::from(near >> lane & 1 == 0);
-                let (t, face) = (at[lane], found.faces[end][lane] as u64);
-                *crossing = Some(Crossing { t, face });
-            } else if odd >> lane & 1 == 1 {
-                *crossing = shape.meet(&bundle.ray(lane), leaving[lane], bundle.t_max()[lane]);
+        // Those that leave a face are tested one by one.
+        let mut odd = !plain;
+        if let Some(found) = found {
+            let (zero, t_max) = (simd.splat(0.0), simd.load(bundle.t_max()));
+            let (one, other) = (simd.load(&found.t[0]), simd.load(&found.t[1]));
+            let near = found.counts[0] & (zero.lt(one) & one.lt(t_max)).bits();
+            let far = found.counts[1] & (zero.lt(other) & other.lt(t_max)).bits();
+            let met = (near | far) & plain;
+            odd |= found.odd;
+            if met != 0 {
+                let t = S::F64::select(simd.mask(near), one, other);
+                odd |= met & !found.holds(simd, bundle, t);
             }
+            for lane in bits(met & !odd) {
+                let end = usize::from(near >> lane & 1 == 0);
+                let (t, face) = (found.t[end][lane], found.faces[end][lane] as u64);
+                crossings[lane] = Some(Crossing { t, face });
+            }
+        }
+        for lane in bits(odd & wanted) {
+            crossings[lane] = shape.meet(&bundle.ray(lane), leaving[lane], bundle.t_max()[lane]);
         }
         crossings
     }
