@@ -73,7 +73,7 @@ impl Browser {
         let entries = answer["value"].as_array().unwrap().iter();
         let errors = entries.filter(|entry| entry["level"] == "SEVERE");
         let errors = errors.map(|entry| entry["message"].to_string());
-        // A test ends its server while the page is open.
+        // A test without a `Page` ends its server while the page is open.
         let is_lost = |error: &String| {
             ["ERR_CONNECTION_", "ERR_SOCKET_"]
                 .iter()

@@ -6,6 +6,7 @@ use std::{
     ops::Deref,
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
+    thread,
 };
 
 use tempfile::TempDir;
@@ -127,6 +128,15 @@ impl Deref for Page<'_> {
 
     fn deref(&self) -> &Browser {
         self.browser
+    }
+}
+
+impl Drop for Page<'_> {
+    /// Leaves the page before its server ends: what it asks for meanwhile would be an error in its console.
+    fn drop(&mut self) {
+        if !thread::panicking() {
+            self.browser.open("about:blank");
+        }
     }
 }
 

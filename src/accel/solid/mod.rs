@@ -135,8 +135,8 @@ mod tests {
 
     /// Number of random solids; `STRAHL_CASES` overrides it.
     const CASES: usize = 300;
-    /// Number of rays for each.
-    const RAYS: usize = 40;
+    /// Number of bundles for each.
+    const BUNDLES: usize = 6;
 
     /// Returns a solid of many parts, some of which touch or are combined themselves.
     fn many(rng: &mut Rng) -> Solid {
@@ -149,17 +149,29 @@ mod tests {
             _ => rng.magnitude(-3.0, 3.0),
         };
         let center = rng.vector() * rng.one(&[0.0, 0.0, room * 1e5, 1.0]);
+        let is_union = rng.below(3) == 0;
+        // In some each part overlaps the next one.
+        let axis = (rng.below(4) == 0).then(|| rng.vector().normalize_or(DVec3::X));
         let mut operands = Vec::<Shape>::new();
         while operands.len() < count {
-            let place = center + rng.vector() * room;
-            let size = room * rng.magnitude(-2.0, -0.3);
+            let (place, size) = match axis {
+                Some(axis) => {
+                    let step = room / count as f64;
+                    (center + axis * step * operands.len() as f64, 1.5 * step)
+                }
+                None => (
+                    center + rng.vector() * room,
+                    room * rng.magnitude(-2.0, -0.3),
+                ),
+            };
             let shape = match rng.below(12) {
+                0..3 if is_union => any(rng, place, size),
                 0..3 => solid(rng, place, size).map(Shape::from),
                 3..6 if !operands.is_empty() => {
                     let other = operands[rng.below(operands.len())].clone();
                     touching(rng, &other)
                 }
-                6 if rng.below(8) == 0 => unbounded(rng, place, size),
+                6 if rng.below(8) == 0 && !is_union => unbounded(rng, place, size),
                 _ => any(rng, place, size),
             };
             let is_solid = |shape: &Shape| Solid::new(Operation::Union, [shape.clone()]).is_ok();
@@ -173,6 +185,9 @@ mod tests {
                 Operation::Intersection,
             ])
         };
+        if is_union {
+            return Solid::new(Operation::Union, operands).unwrap();
+        }
         let all = operation(rng);
         if rng.below(2) == 0 {
             return Solid::new(all, operands).unwrap();
@@ -218,63 +233,84 @@ mod tests {
         low + (high - low) * rng.one(&[on_side, anywhere])
     }
 
+    /// A ray and the face that it leaves.
+    type Line = (Ray, Option<FaceId>);
+
+    /// Returns eight rays: all from one eye to places nearby, or any.
+    fn rays(rng: &mut Rng, parts: &[[DVec3; 2]]) -> Vec<Line> {
+        let (from, to) = (place(rng, parts), place(rng, parts));
+        let eye = from + (from - to) * rng.one(&[0.0, 0.0, 1.0, 1e3]);
+        let spread = (to - from).length() * rng.magnitude(-6.0, -0.5);
+        let is_beam = rng.below(3) > 0;
+        let line = |_| {
+            if is_beam {
+                return (Ray::new(eye, to + spread * rng.vector() - eye), None);
+            }
+            let (from, to) = (place(rng, parts), place(rng, parts));
+            let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]) * (to - from).length();
+            let direction = rng.one(&[to - from, axis]) * rng.magnitude(-1.0, 1.0);
+            let away = direction * rng.one(&[0.0, 1.0, 1e3]);
+            (Ray::new(from - away, direction), None)
+        };
+        (0..BUNDLE).map(line).collect()
+    }
+
+    /// Compares what a solid with an index answers to eight rays with what one without does. Returns those that
+    /// go on to a light, and the number of rays that begin inside.
+    fn compare(
+        [plain, quick]: [&Shape; 2],
+        rays: &[Line],
+        (t_max, light): (f64, DVec3),
+    ) -> (Vec<Line>, usize) {
+        let line = |lane: usize| &rays[lane.min(rays.len() - 1)];
+        let of = |part: fn(&Ray) -> DVec3| {
+            std::array::from_fn(|axis| std::array::from_fn(|lane| part(&line(lane).0)[axis]))
+        };
+        let bundle = Bundle::new(of(Ray::origin), of(Ray::direction), [t_max; BUNDLE]);
+        let leaving: [_; BUNDLE] = std::array::from_fn(|lane| match &line(lane).1 {
+            Some(own) => Leaving::only(own),
+            None => Leaving::NOTHING,
+        });
+        let together = quick.first_of_each(&bundle, &leaving);
+        let (mut next, mut inside) = (Vec::new(), 0);
+        for lane in 0..BUNDLE {
+            let (ray, leaving) = (&line(lane).0, leaving[lane]);
+            let [one, other] = [plain, quick].map(|it| asked(it, ray, leaving, t_max));
+            assert!(one == other, "{ray:?}, {leaving:?}");
+            assert_eq!(together[lane], one.0, "{ray:?}, {leaving:?}");
+            inside += usize::from(one.2[1]);
+            if let Some(first) = one.0 {
+                let at = ContactPoint::vague(ray, first.t);
+                assert_eq!(faces(plain, &at), faces(quick, &at), "{ray:?}");
+                let at = ray.at(first.t);
+                let own = FaceId::of_shape(first.face);
+                next.push((Ray::new(at, light - at), Some(own)));
+            }
+        }
+        (next, inside)
+    }
+
     #[test]
     fn an_index_finds_what_the_loop_over_all_parts_does() {
         let mut rng = Rng(0x501d);
         let (pool, isas) = (Pool::new(None), Isa::all());
         let (mut met, mut inside) = (0, 0);
-        for case in 0..cases(CASES) {
+        for _ in 0..cases(CASES) {
             let plain = many(&mut rng);
-            let isa = isas[rng.below(isas.len())];
             let quick = plain.clone();
+            let isa = isas[rng.below(isas.len())];
             index_solid(&quick, Builder::new(&pool, isa));
             let parts: Vec<_> = plain.parts().filter_map(Shape::bounds).collect();
             let [plain, quick] = [plain, quick].map(Shape::from);
-            // Some begin at one eye, and some at what others meet.
-            let eye = place(&mut rng, &parts) + rng.vector() * rng.one(&[0.0, 1.0, 100.0]);
-            let mut rays = Vec::new();
-            for _ in 0..RAYS {
-                let (from, to) = (place(&mut rng, &parts), place(&mut rng, &parts));
-                let away = (to - from) * rng.one(&[0.0, 0.0, 1.0, 1e3]);
-                let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]) * (to - from).length();
-                let direction = rng.one(&[to - from, to - from, axis]) * rng.magnitude(-1.0, 1.0);
-                let ray = match rng.below(2) {
-                    0 => Ray::new(eye, to - eye),
-                    _ => Ray::new(from - away, direction),
-                };
-                rays.push((ray, None));
-                let Some(first) = quick.meet(&ray, Leaving::NOTHING, f64::INFINITY) else {
-                    continue;
-                };
-                met += 1;
-                let next = Ray::new(ray.at(first.t), rng.vector());
-                rays.push((next, Some(FaceId::of_shape(first.face))));
-                let at = ContactPoint::vague(&ray, first.t);
-                let found = [&plain, &quick].map(|it| faces(it, &at));
-                assert_eq!(found[0], found[1], "{case}, {isa}: {ray:?}");
-            }
-            for bundle in rays.chunks(BUNDLE) {
-                let lane_of = |lane: usize| &bundle[lane.min(bundle.len() - 1)];
-                let of = |axis: usize, of: fn(&Ray) -> DVec3| {
-                    std::array::from_fn(|lane| of(&lane_of(lane).0)[axis])
-                };
-                let lines = [Ray::origin, Ray::direction]
-                    .map(|part| std::array::from_fn(|axis| of(axis, part)));
+            for _ in 0..BUNDLES {
+                let light = place(&mut rng, &parts) * rng.one(&[1.0, 100.0]);
                 let t_max = rng.one(&[f64::INFINITY, f64::INFINITY, 1.0]);
-                let leaving: [_; BUNDLE] = std::array::from_fn(|lane| match &lane_of(lane).1 {
-                    Some(own) => Leaving::only(own),
-                    None => Leaving::NOTHING,
-                });
-                let [origins, directions] = lines;
-                let together = Bundle::new(origins, directions, [t_max; BUNDLE]);
-                let together = quick.first_of_each(&together, &leaving);
-                for lane in 0..BUNDLE {
-                    let (ray, leaving) = (&lane_of(lane).0, leaving[lane]);
-                    let [one, other] = [&plain, &quick].map(|it| asked(it, ray, leaving, t_max));
-                    let text = || format!("{case}, {isa}: {ray:?}, {leaving:?}");
-                    assert!(one == other, "{}", text());
-                    assert_eq!(together[lane], one.0, "{}", text());
-                    inside += usize::from(one.2[1]);
+                let all = rays(&mut rng, &parts);
+                let (next, begin) = compare([&plain, &quick], &all, (t_max, light));
+                inside += begin;
+                if !next.is_empty() {
+                    met += 1;
+                    inside += compare([&plain, &quick], &next, (1.0, light)).1;
                 }
             }
         }
