@@ -25,9 +25,9 @@ use serde::Deserialize;
 use strahl::{RayTracer, World};
 
 /// The measured parts: reading both syntaxes, projecting, tracing, tracing on two threads,
-/// encoding, all stages from JSON, and all stages with 16 samples per pixel.
-const PARTS: [&str; 8] = [
-    "json", "ron", "project", "trace", "threads", "encode", "whole", "samples",
+/// encoding, all stages from JSON, all stages with 16 samples per pixel, and outlines.
+const PARTS: [&str; 9] = [
+    "json", "ron", "project", "trace", "threads", "encode", "whole", "samples", "outlines",
 ];
 /// Number of runs of each measurement.
 const RUNS: usize = 5;
@@ -169,6 +169,20 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
             of(1, |it| it.total_s),
             of(0, |it| it.total_s),
         );
+    }
+    if wanted("outlines") {
+        for (kind, light) in [("flat", &[][..]), ("lit", &["--lights", "headlight"])] {
+            for samples in ["1", "4", "16", "64"] {
+                let plain = [&["--samples", samples], light].concat();
+                let outlined = [&plain[..], &["--outlines"]].concat();
+                let [plain, outlined] = [plain, outlined].map(|options| {
+                    let runs = (0..RUNS).map(|_| render(&json, &options).total_s);
+                    median(runs.collect())
+                });
+                let name = format!("outlines, {kind}, {samples} samples");
+                row(&name, "no outlines", outlined, plain);
+            }
+        }
     }
     if wanted("threads") {
         let [one, two, apart] = threads(bench);

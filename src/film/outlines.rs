@@ -35,6 +35,11 @@ impl Outlines {
     pub(crate) fn margin(&self) -> u32 {
         self.width.ceil() as u32
     }
+
+    /// Returns true if lines within one geometry are drawn.
+    pub(crate) const fn are_within(&self) -> bool {
+        self.depth.is_some() || self.creases.is_some()
+    }
 }
 
 impl Default for Outlines {

@@ -34,7 +34,7 @@ use crate::{
 };
 
 pub(crate) use self::surfaces::Cache;
-use self::surfaces::Surfaces;
+use self::surfaces::{Kinds, Surfaces};
 
 /// A row of samples and their hits.
 #[derive(Clone, Copy, Debug)]
@@ -100,22 +100,26 @@ struct Hits<S: Simd> {
 }
 
 impl<'a> SampleRow<'a> {
-    /// Returns the hits from `start` on, with `v` if a light needs it or a surface. Lanes behind the end repeat the
-    /// last sample.
+    /// Returns the indices of the geometries hit from `start` on. Lanes behind the end repeat the last sample.
+    #[inline(always)]
+    fn indices(&self, world: &World, start: usize) -> [u32; LANES] {
+        let ids = lanes(self.ids, start);
+        match world.has_copies() {
+            true => ids.map(|id| world.index_of(id as usize) as u32),
+            false => ids,
+        }
+    }
+
+    /// Returns the hits of these geometries from `start` on, with `v` if a light needs it or a surface.
     #[inline(always)]
     fn hits<S: Simd>(
         &self,
         simd: S,
         world: &World,
-        cache: &mut Cache,
+        (indices, mut surfaces): ([u32; LANES], Surfaces<S>),
         (start, needs_v): (usize, bool),
     ) -> Hits<S> {
         let [x, y, z] = self.columns;
-        let mut indices = lanes(self.ids, start);
-        if world.has_copies() {
-            indices = indices.map(|id| world.index_of(id as usize) as u32);
-        }
-        let mut surfaces = Surfaces::new(simd, world, cache, &indices);
         let column = [
             load(simd, x, start),
             load(simd, y, start),
@@ -194,6 +198,19 @@ fn load<S: Simd>(simd: S, from: &[f64], start: usize) -> S::F64 {
     match from[start..].first_chunk() {
         Some(lanes) => simd.load(lanes),
         None => simd.load(&lanes(from, start)),
+    }
+}
+
+/// Stores at most eight numbers.
+#[inline(always)]
+fn store<V: F64x8>(lanes: V, to: &mut [f64]) {
+    match to.first_chunk_mut() {
+        Some(to) => lanes.store(to),
+        None => {
+            let mut all = [0.0; LANES];
+            lanes.store(&mut all);
+            to.copy_from_slice(&all[..to.len()]);
+        }
     }
 }
 
@@ -325,10 +342,18 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
         for start in (0..count).step_by(LANES) {
             let width = LANES.min(count - start);
             let inside = u8::MAX >> (LANES - width);
+            let indices = self.row.indices(self.world, start);
+            let surfaces = Surfaces::new(simd, self.world, self.known, &indices);
+            let kinds = surfaces.kinds;
+            if kinds == Kinds::default() {
+                for (light, color) in self.light.iter_mut().zip(surfaces.color) {
+                    store(color, &mut light[start..start + width]);
+                }
+                continue;
+            }
             let hits = self
                 .row
-                .hits(simd, self.world, self.known, (start, needs_v));
-            let kinds = hits.surfaces.kinds;
+                .hits(simd, self.world, (indices, surfaces), (start, needs_v));
             let scatters = (kinds.matte | kinds.scattering) & inside;
             let mut others = kinds.scattering | kinds.clear;
             let zero = simd.splat(0.0);
@@ -409,14 +434,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                     scattered = scattered + highlight[channel] * highlights[channel];
                 }
                 let shown = S::F64::select(hits.surfaces.is_matte, scattered, color);
-                match light[start..].first_chunk_mut() {
-                    Some(to) => shown.store(to),
-                    None => {
-                        let mut lanes = [0.0; LANES];
-                        shown.store(&mut lanes);
-                        light[start..].copy_from_slice(&lanes[..width]);
-                    }
-                }
+                store(shown, &mut light[start..start + width]);
             }
         }
     }

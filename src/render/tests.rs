@@ -14,7 +14,7 @@ use crate::{
         Cancel, Pool,
         timings::{Stage, Timings},
     },
-    render::ray_tracer::RayTracer,
+    render::{explained::PixelSource, ray_tracer::RayTracer},
     simd::isa::Isa,
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
@@ -322,18 +322,15 @@ impl Case {
         [self.size.width(), self.size.height()].map(|side| side * self.samples.side())
     }
 
-    /// Returns true if a sample is outlined, by comparing it with all others.
-    fn is_outlined(&self, column: u32, row: u32) -> bool {
-        let Some(outlines) = self.outlines else {
-            return false;
-        };
+    /// Returns the neighbor that outlines a sample, by comparing it with all others: its distance to the right and
+    /// upwards, and what it sees.
+    fn outlined_by(&self, column: u32, row: u32) -> Option<([i64; 2], Option<usize>)> {
+        let outlines = self.outlines?;
         let seen = |column, row| {
             let (index, hit) = self.world.hit(&self.ray(column, row))?;
             Some((self.world.id_of(index, hit.face), hit))
         };
-        let Some((id, hit)) = seen(column, row) else {
-            return false;
-        };
+        let (id, hit) = seen(column, row)?;
         let reach = outlines.width * f64::from(self.samples.side());
         let [columns, rows] = self.sides();
         // From the top left, as the nearest are compared.
@@ -352,9 +349,11 @@ impl Case {
         near.sort_by(|one, other| apart(*one).total_cmp(&apart(*other)));
         let mut met = vec![];
         let own_ray = self.ray(column, row);
-        near.into_iter().any(|(x, y)| {
+        near.into_iter().find_map(|(x, y)| {
+            let away = [x, y].map(i64::from);
+            let away = [away[0] - i64::from(column), away[1] - i64::from(row)];
             let Some((other, there)) = seen(x, y) else {
-                return true;
+                return Some((away, None));
             };
             let ray = self.ray(x, y);
             let cosine = |hit: &Hit, ray: &Ray| {
@@ -387,7 +386,7 @@ impl Case {
                 }
             };
             let reach = 0.5 + (reach - 0.5) * share;
-            apart((x, y)) <= reach * reach
+            (apart((x, y)) <= reach * reach).then_some((away, Some(other)))
         })
     }
 
@@ -411,9 +410,9 @@ impl Case {
                 }
                 let integrator =
                     Integrator::new(&self.world, &self.world, self.tone, self.is_transparent);
-                let light = match self.is_outlined(column, row) {
-                    true => Shaded::direct(self.outlines.unwrap().color.to_linear()),
-                    false => integrator.trace(&ray),
+                let light = match self.outlined_by(column, row) {
+                    Some(_) => Shaded::direct(self.outlines.unwrap().color.to_linear()),
+                    None => integrator.trace(&ray),
                 };
                 behind += light.behind.mean();
                 sum.parts = sum.parts + light.parts;
@@ -492,6 +491,47 @@ fn shaded_pictures_are_those_of_the_plain_definition() {
     assert!(
         clear > 10,
         "only {clear} pixels show a transparent background"
+    );
+}
+
+#[test]
+fn an_explained_sample_names_the_first_neighbor_that_outlines_it() {
+    let mut outlined = 0;
+    for seed in 0..cases(150) as u64 {
+        let mut random = Rng(seed.wrapping_mul(0x2468_ace1) | 1);
+        let case = Case::new(&mut random);
+        let (column, row) = (
+            random.below(case.size.width() as usize) as u32,
+            random.below(case.size.height() as usize) as u32,
+        );
+        let source = PixelSource {
+            camera: &case.camera,
+            world: &case.world,
+            size: case.size,
+            samples: case.samples,
+            outlines: case.outlines,
+            tone: case.tone,
+            is_shaded: true,
+        };
+        let explained = source.explain(column, row).unwrap();
+        let (side, top) = (case.samples.side(), case.size.height() - row);
+        let mut found = explained.samples.iter();
+        for y in (0..side).rev() {
+            for x in 0..side {
+                let (x, y) = (column * side + x, (top - 1) * side + y);
+                let plain = case.outlined_by(x, y);
+                assert_eq!(
+                    found.next().unwrap().outlined_by,
+                    plain,
+                    "seed {seed}: {x},{y}"
+                );
+                outlined += usize::from(plain.is_some());
+            }
+        }
+    }
+    assert!(
+        outlined > cases(150) / 10,
+        "only {outlined} samples are outlined"
     );
 }
 

@@ -148,8 +148,8 @@ pub(super) struct Surfaces<S: Simd> {
     pub(super) kinds: Kinds,
 }
 
-/// The hits of each [`SurfaceKind`], lane i as bit i.
-#[derive(Clone, Copy, Default)]
+/// The hits of each [`SurfaceKind`] but constant ones, lane i as bit i.
+#[derive(Clone, Copy, Default, PartialEq)]
 pub(super) struct Kinds {
     /// Also those that are glossy.
     pub(super) matte: u8,

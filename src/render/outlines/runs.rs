@@ -1,5 +1,7 @@
 //! The rows of a rectangle of samples, as runs of samples that hit the same geometry.
 
+use std::ops::Range;
+
 /// The runs of all rows.
 #[derive(Default)]
 pub(super) struct Runs {
@@ -9,11 +11,29 @@ pub(super) struct Runs {
 }
 
 /// Neighboring samples of a row that hit the same geometry.
-#[derive(Clone, Copy)]
-struct Run {
-    /// The place in the row behind its last sample.
-    end: usize,
-    id: u32,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Run {
+    start: u32,
+    end: u32,
+    pub(super) id: u32,
+}
+
+impl Run {
+    pub(super) const fn columns(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
+    /// Returns those of some columns that are in the run.
+    pub(super) fn part_of(&self, columns: &Range<usize>) -> Range<usize> {
+        let own = self.columns();
+        own.start.max(columns.start)..own.end.min(columns.end)
+    }
+
+    /// Returns those of some columns that are at most this far from a sample of the run.
+    pub(super) fn near(&self, most: usize, columns: &Range<usize>) -> Range<usize> {
+        let own = self.columns();
+        columns.start.max(own.start.saturating_sub(most))..columns.end.min(own.end + most)
+    }
 }
 
 impl Runs {
@@ -30,54 +50,24 @@ impl Runs {
             let mut end = 0;
             all.runs
                 .extend(row.chunk_by(|one, next| one == next).map(|run| {
-                    end += run.len();
-                    Run { end, id: run[0] }
+                    let start = end;
+                    end += run.len() as u32;
+                    Run {
+                        start,
+                        end,
+                        id: run[0],
+                    }
                 }));
         }
         all.firsts.push(all.runs.len());
         all
     }
 
-    /// Calls `see` with the geometry of each run near a place in a row, and the distance to its nearest
-    /// sample: below 0 to the left. It goes on in each direction while `see` returns true.
-    pub(super) fn around(&self, row: usize, place: usize, mut see: impl FnMut(i64, u32) -> bool) {
-        let row = match self.firsts.get(row..row + 2) {
+    /// Returns the runs of a row; none outside of the rectangle.
+    pub(super) fn row(&self, row: usize) -> &[Run] {
+        match self.firsts.get(row..row.saturating_add(2)) {
             Some([start, end]) => &self.runs[*start..*end],
-            _ => return,
-        };
-        let own = row.partition_point(|run| run.end <= place);
-        let (left, right) = row.split_at(own);
-        let apart = |at: usize| at as i64 - place as i64;
-        let mut before = left.iter().rev();
-        let _ = before.all(|run| see(apart(run.end - 1), run.id));
-        let mut start = place;
-        let _ = right.iter().all(|run| {
-            let is_on = see(apart(start), run.id);
-            start = run.end;
-            is_on
-        });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn runs_are_seen_from_near_to_far_on_each_side() {
-        let runs = Runs::new(&[[7, 7, 1, 1, 1, 2, 2, 7], [3; 8]].concat(), 8);
-        let seen = |row, place, most: i64| {
-            let mut seen = Vec::new();
-            runs.around(row, place, |apart, id| {
-                seen.push((apart, id));
-                apart.abs() < most
-            });
-            seen
-        };
-        assert_eq!(seen(0, 3, 9), [(-2, 7), (0, 1), (2, 2), (4, 7)]);
-        assert_eq!(seen(0, 3, 1), [(-2, 7), (0, 1), (2, 2)]);
-        assert_eq!(seen(0, 0, 9), [(0, 7), (2, 1), (5, 2), (7, 7)]);
-        assert_eq!(seen(1, 7, 9), [(0, 3)]);
-        assert_eq!(seen(2, 0, 9), []);
+            _ => &[],
+        }
     }
 }

@@ -185,10 +185,12 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             work.watch
                 .time(|| OutlineMask::new(outlines, self.world, &hits, &rays, self.samples.side()))
         });
-        let (eye, distance) = rays.reach(&hits, self.isa);
-        let mut shadows = state.shadows.iter().flatten();
-        if shadows.any(|shadows| shadows.leaves_open(eye, distance)) {
-            work.watch.time(|| self.queries.prepare());
+        let mut shadows = state.shadows.iter().flatten().peekable();
+        if shadows.peek().is_some() {
+            let (eye, distance) = rays.reach(&hits, self.isa);
+            if shadows.any(|shadows| shadows.leaves_open(eye, distance)) {
+                work.watch.time(|| self.queries.prepare());
+            }
         }
         let part = HitRows {
             shading: self,

@@ -18,7 +18,7 @@ use crate::{
     },
     render::{
         hits::{Hits, Rays},
-        outlines::OutlineMask,
+        outlines::{OutlineMask, WhichNeighbor},
     },
     tracer::{radiance::Radiance, tone::Tone},
 };
@@ -249,6 +249,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             known,
             others,
             samples,
+            lines,
             ..
         } = scratch;
         let shading = self.shading;
@@ -284,14 +285,11 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             samples.set(place, integrator.shade(&path, index, crossing));
         }
         if let Some(mask) = &self.mask {
-            for (place, column) in columns.enumerate() {
-                // A sample with very many neighbors takes long; the piece is then dropped.
-                if self.work.cancel.is_cancelled() {
-                    return;
-                }
-                if mask.covers(column, row) {
-                    samples.set(place, Shaded::direct(mask.color()));
-                }
+            // What is cancelled meanwhile is dropped.
+            mask.find(row, columns, WhichNeighbor::Any, self.work.cancel, lines);
+            let found = lines.found.iter().enumerate();
+            for (place, _) in found.filter(|(_, found)| found.is_some()) {
+                samples.set(place, Shaded::direct(mask.color()));
             }
         }
     }

@@ -8,6 +8,7 @@ use crate::{
         batch::{Cache, Others},
         direct::Shaded,
     },
+    render::outlines::RowLines,
     tracer::{radiance::Radiance, world::World},
 };
 
@@ -19,6 +20,8 @@ pub(super) struct Scratch {
     pub(super) samples: RowLight,
     /// The sums of a row of pixels.
     pub(super) sums: Sums,
+    /// The lines on a row of samples.
+    pub(super) lines: RowLines,
 }
 
 impl Scratch {
@@ -28,6 +31,7 @@ impl Scratch {
             others: Others::default(),
             samples: RowLight::default(),
             sums: Sums::default(),
+            lines: RowLines::default(),
         }
     }
 }
