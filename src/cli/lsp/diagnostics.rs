@@ -21,7 +21,7 @@ use super::{
     document::{Latest, OpenDocument, Waiting, Wish},
     outbox::Outbox,
     text::Places,
-    work::{Pace, Work},
+    work::{Pace, Work, value},
 };
 
 /// Returns the diagnostics of a text as the client gets them; errors are kept before warnings.
@@ -174,7 +174,8 @@ pub(super) fn answer_or_wait(
             let latest = document.latest().filter(|latest| latest.is_scene).cloned();
             let snapshot = document.snapshot(client);
             work.answer(id, Pace::Slow, move |_| {
-                Ok(latest.map(|latest| actions::all(&snapshot, &latest, &params)))
+                let actions = latest.map(|latest| actions::all(&snapshot, &latest, &params));
+                value(actions)
             });
         }
     }
