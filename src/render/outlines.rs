@@ -34,7 +34,8 @@ pub(super) struct OutlineMask<'a> {
     rays: &'a Rays<'a>,
     /// The rows of samples.
     runs: Runs,
-    /// The rows from a sample to those of its neighbors, and how many columns these lie apart at most.
+    /// The rows from a sample to those of its neighbors, the nearest first, and how many columns these lie apart at
+    /// most.
     near: Vec<(isize, usize)>,
     /// The width of the lines in samples.
     reach: f64,
@@ -119,10 +120,9 @@ impl<'a> OutlineMask<'a> {
             true => amid(hits, &normals, side, &outlines, crease),
             false => Vec::new(),
         };
+        let rows = (0..=most).flat_map(|y| [-y, y].into_iter().take(if y == 0 { 1 } else { 2 }));
         Self {
-            near: (-most..=most)
-                .filter_map(|y| Some((y, columns(y)?)))
-                .collect(),
+            near: rows.filter_map(|y| Some((y, columns(y)?))).collect(),
             runs: Runs::new(&hits.ids, hits.columns.len()),
             reach,
             amid,
@@ -221,6 +221,9 @@ impl<'a> OutlineMask<'a> {
                     });
                     nearest[at].note(near, run, *y, columns.start);
                 }
+            }
+            if which == WhichNeighbor::Any && found.iter().all(Option::is_some) {
+                break;
             }
         }
         let first = row * self.hits.columns.len() + columns.start;
