@@ -2,6 +2,8 @@
 
 #[path = "lsp/client.rs"]
 mod client;
+#[path = "lsp/formatting.rs"]
+mod formatting;
 #[path = "lsp/lifecycle.rs"]
 mod lifecycle;
 #[path = "lsp/long.rs"]
@@ -38,6 +40,8 @@ fn main() {
     trials.extend(scenarios::all());
     trials.extend(lifecycle::all());
     trials.push(Trial::test("diagnostics of a long scene", long::pulled));
+    let memory = Trial::test("the memory of formatting", formatting::memory);
+    trials.push(memory.with_ignored_flag(!cfg!(target_os = "linux")));
     let count = env::var("STRAHL_CASES")
         .ok()
         .and_then(|count| count.parse().ok());
@@ -55,6 +59,10 @@ fn main() {
         let name = format!("the text after random edits in {encoding}");
         trials.push(Trial::test(name, move || {
             random::text(encoding, columns, count)
+        }));
+        let name = format!("formatting of random lines in {encoding}");
+        trials.push(Trial::test(name, move || {
+            formatting::run(encoding, columns, (count / 20).max(20))
         }));
         let name = format!("random edits of a long text in {encoding}");
         trials.push(Trial::test(name, move || {

@@ -6,21 +6,28 @@ use strahl::text::Edit;
 
 use super::line_diff::LineDiff;
 
-/// Returns the edits that turn one text into another: only lines that differ, so that the cursor
-/// of an editor stays where it is.
+/// Returns the edits that turn one text into another: one for each run of lines that differ, so that
+/// the cursor of an editor stays where it is.
 pub(super) fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
-    let diff = LineDiff::new(old, new);
+    edits(&LineDiff::new(old, new))
+}
+
+/// Returns those edits that touch a range of the old text, each with as few lines as possible.
+pub(super) fn changed_lines_near(old: &str, new: &str, range: &Range<usize>) -> Vec<Edit> {
+    let mut diff = LineDiff::of_parts(old, new);
     let starts: Vec<_> = starts(&diff.old).collect();
-    let parts = diff.changes.iter().flat_map(|change| {
-        let from = change.old.start;
-        let old = &diff.old[change.old.clone()];
-        let new = &diff.new[change.new.clone()];
-        let parts = parts(old, new).into_iter();
-        parts.map(move |(lines, text)| (from + lines.start..from + lines.end, text))
+    diff.changes.retain(|change| {
+        starts[change.old.start] <= range.end && range.start <= starts[change.old.end]
     });
-    let edits = parts.filter_map(|(lines, text)| {
-        let range = *starts.get(lines.start)?..*starts.get(lines.end)?;
-        (old.get(range.clone())? != text).then_some(Edit { range, text })
+    diff.join();
+    edits(&diff)
+}
+
+fn edits(diff: &LineDiff) -> Vec<Edit> {
+    let starts: Vec<_> = starts(&diff.old).collect();
+    let edits = diff.changes.iter().map(|change| Edit {
+        range: starts[change.old.start]..starts[change.old.end],
+        text: diff.new[change.new.clone()].concat(),
     });
     edits.collect()
 }
@@ -32,46 +39,6 @@ fn starts(lines: &[&str]) -> impl Iterator<Item = usize> {
         Some(*at)
     });
     iter::once(0).chain(ends)
-}
-
-/// Divides lines that only differ in blanks and commas, as those of a formatter do, into parts that
-/// are as short as possible: the range of old lines, and their new text.
-fn parts(old: &[&str], new: &[&str]) -> Vec<(Range<usize>, String)> {
-    let letters = |line: &&str| {
-        let is_kept = |letter: &char| !letter.is_whitespace() && *letter != ',';
-        line.chars().filter(is_kept).count()
-    };
-    let whole = |lines: &[&str]| -> String {
-        let letters = lines.iter().flat_map(|line| line.chars());
-        letters
-            .filter(|letter| !letter.is_whitespace() && *letter != ',')
-            .collect()
-    };
-    if whole(old) != whole(new) {
-        return vec![(0..old.len(), new.concat())];
-    }
-    let mut parts = Vec::new();
-    let (mut from, mut to) = (0..0, 0..0);
-    // The letters of the old lines that are not among the new ones yet.
-    let mut ahead = 0_isize;
-    while from.end < old.len() || to.end < new.len() {
-        if ahead <= 0 && from.end < old.len() {
-            ahead += letters(&old[from.end]) as isize;
-            from.end += 1;
-        } else {
-            ahead -= new.get(to.end).map_or(0, letters) as isize;
-            to.end += 1;
-        }
-        if ahead == 0 && !from.is_empty() && !to.is_empty() {
-            parts.push((from.clone(), new[to.clone()].concat()));
-            (from, to) = (from.end..from.end, to.end..to.end);
-        }
-    }
-    if !from.is_empty() || !to.is_empty() {
-        let end = to.end.min(new.len());
-        parts.push((from, new[to.start.min(end)..end].concat()));
-    }
-    parts
 }
 
 #[cfg(test)]
@@ -90,18 +57,61 @@ mod tests {
     }
 
     #[test]
-    fn formatted_lines_are_edited_one_by_one() {
+    fn a_range_has_as_few_lines_as_possible() {
         let (old, new) = ("a:1,\nb:[2,\n3]\n\nc\n", "a: 1,\nb: [2, 3],\n\n  c,\n");
-        let edits = changed_lines(old, new);
-        let found: Vec<_> = edits
+        let found = |edits: Vec<Edit>| -> Vec<_> {
+            let edits = edits.into_iter();
+            edits.map(|edit| (edit.range, edit.text)).collect()
+        };
+        let first = (0..14, "a: 1,\nb: [2, 3],\n".to_owned());
+        let last = (15..17, "  c,\n".to_owned());
+        assert_eq!(found(changed_lines(old, new)), [first, last.clone()]);
+        let middle = (5..14, "b: [2, 3],\n".to_owned());
+        assert_eq!(found(changed_lines_near(old, new, &(7..8))), [middle]);
+        assert_eq!(found(changed_lines_near(old, new, &(16..16))), [last]);
+        // The comma of an item is never there twice.
+        let (old, new) = ("a\n\n// b\n, c\nd\n", "a,\n\n// b\nc,\nd,\n");
+        let item = (0..12, "a,\n\n// b\nc,\n".to_owned());
+        assert_eq!(found(changed_lines_near(old, new, &(0..1))), [item]);
+    }
+
+    /// Applies edits, which have equal lines between them.
+    fn applied(old: &str, edits: &[Edit]) -> String {
+        assert!(edits.is_sorted_by(|one, next| one.range.end < next.range.start));
+        let mut text = old.to_owned();
+        for edit in edits.iter().rev() {
+            text.replace_range(edit.range.clone(), &edit.text);
+        }
+        text
+    }
+
+    #[test]
+    fn the_edits_lead_from_one_text_to_the_other() {
+        let mut texts = vec![String::new()];
+        for text in 0..40 {
+            for line in ["a\n", " a,\r\n", "\n"] {
+                texts.push(format!("{}{line}", texts[text]));
+            }
+        }
+        let ends = texts
             .iter()
-            .map(|edit| (&old[edit.range.clone()], &*edit.text))
-            .collect();
-        let expected = [
-            ("a:1,\n", "a: 1,\n"),
-            ("b:[2,\n3]\n", "b: [2, 3],\n"),
-            ("c\n", "  c,\n"),
-        ];
-        assert_eq!(found, expected);
+            .map(|text| text.trim_end_matches('\n').to_owned());
+        texts.extend(ends.collect::<Vec<_>>());
+        for old in &texts {
+            for new in &texts {
+                let edits = changed_lines(old, new);
+                assert_eq!(applied(old, &edits), *new, "{old:?}");
+                let range = old.len() / 3..old.len() / 2;
+                for edit in changed_lines_near(old, new, &range) {
+                    assert!(edit.range.start <= range.end && range.start <= edit.range.end);
+                    let is_part = |whole: &Edit| {
+                        let (whole, part) = (&whole.range, &edit.range);
+                        whole.start <= part.start && part.end <= whole.end
+                    };
+                    assert!(edits.iter().any(is_part), "{old:?} {new:?} {range:?}");
+                }
+                assert_eq!(changed_lines_near(old, new, &(0..old.len())), edits);
+            }
+        }
     }
 }

@@ -36,10 +36,29 @@ pub(super) enum Side {
 
 impl<'a> LineDiff<'a> {
     pub(super) fn new(old: &'a str, new: &'a str) -> Self {
+        let mut diff = Self::of_parts(old, new);
+        diff.join();
+        diff
+    }
+
+    /// Like [`new`](Self::new), but the changes of a formatter are in parts that are as short as
+    /// possible, also without equal lines between them.
+    pub(super) fn of_parts(old: &'a str, new: &'a str) -> Self {
         let lines = |text: &'a str| text.split_inclusive('\n').collect();
         let (old, new): (Vec<_>, Vec<_>) = (lines(old), lines(new));
-        let changes = changes(&old, &new);
+        let changes = parts(&old, &new).unwrap_or_else(|| changes(&old, &new));
         Self { old, new, changes }
+    }
+
+    /// Joins the changes without equal lines between them.
+    pub(super) fn join(&mut self) {
+        self.changes.dedup_by(|next, last| {
+            let is_next = last.old.end == next.old.start && last.new.end == next.new.start;
+            if is_next {
+                (last.old.end, last.new.end) = (next.old.end, next.new.end);
+            }
+            is_next
+        });
     }
 
     /// Returns the lines of both texts, from top to bottom.
@@ -96,6 +115,64 @@ impl<'a> LineDiff<'a> {
     }
 }
 
+/// Returns the changes between lines that only differ in blanks, commas and line breaks, as those
+/// before and after a formatter do: a part ends where both have the same other letters. `None` if
+/// they differ in more. Unlike a diff of any lines, it takes linear time and hardly any memory.
+fn parts(old: &[&str], new: &[&str]) -> Option<Vec<Change>> {
+    let mut parts = Vec::new();
+    let (mut from, mut to, mut next) = (0, 0, 0);
+    while from < old.len() || to < new.len() {
+        if old.get(from) == new.get(to) {
+            (from, to) = (from + 1, to + 1);
+            continue;
+        }
+        let (first_old, first_new) = (from, to);
+        // The letters of the old lines that are not among the new ones yet.
+        let mut ahead = 0_isize;
+        loop {
+            if ahead <= 0 && from < old.len() {
+                ahead += letters(&old[from..=from]).count() as isize;
+                from += 1;
+            } else {
+                ahead -= letters(new.get(to..=to)?).count() as isize;
+                to += 1;
+            }
+            // A comma that follows on another line belongs to the item before it.
+            next = next.max(from);
+            while old.get(next).is_some_and(|line| is_between(line)) {
+                next += 1;
+            }
+            let is_item = !old
+                .get(next)
+                .is_some_and(|line| line.trim_start().starts_with(','));
+            if ahead == 0 && is_item {
+                break;
+            }
+        }
+        let (old_lines, new_lines) = (first_old..from, first_new..to);
+        if !letters(&old[old_lines.clone()]).eq(letters(&new[new_lines.clone()])) {
+            return None;
+        }
+        parts.push(Change {
+            old: old_lines,
+            new: new_lines,
+        });
+    }
+    Some(parts)
+}
+
+/// Returns true for a line that is blank or a comment.
+fn is_between(line: &str) -> bool {
+    let line = line.trim();
+    line.is_empty() || line.starts_with("//") || line.starts_with("/*") && line.ends_with("*/")
+}
+
+/// Returns the letters of lines that a formatter keeps.
+fn letters(lines: &[&str]) -> impl Iterator<Item = u8> {
+    let letters = lines.iter().flat_map(|line| line.bytes());
+    letters.filter(|letter| !letter.is_ascii_whitespace() && *letter != b',')
+}
+
 fn changes(old: &[&str], new: &[&str]) -> Vec<Change> {
     // The crate counts lines in 31 bits.
     if old.len().max(new.len()) >= i32::MAX as usize {
@@ -109,7 +186,8 @@ fn changes(old: &[&str], new: &[&str]) -> Vec<Change> {
     input.reserve(old.len() as u32, new.len() as u32);
     input.update_before(old.iter().copied());
     input.update_after(new.iter().copied());
-    let mut diff = Diff::compute(Algorithm::Histogram, &input);
+    // The histogram's time grows with the square of the number of changes.
+    let mut diff = Diff::compute(Algorithm::Myers, &input);
     diff.postprocess_lines(&input);
     let lines = |range: Range<u32>| range.start as usize..range.end as usize;
     let changes = diff.hunks().map(|hunk| Change {

@@ -54,10 +54,13 @@ impl Source {
     /// Returns the text in the canonical format; `None` if it has syntax faults.
     pub fn format(&self) -> Option<String> {
         let is_clean = self.tree().faults().is_empty();
-        let mark = "\u{feff}";
-        let mark = self.text.get(..mark.len()).filter(|start| *start == mark);
-        is_clean
-            .then(|| mark.unwrap_or_default().to_owned() + &print::format(&self.text, self.tree()))
+        is_clean.then(|| {
+            let mut formatted = print::format(&self.text, self.tree());
+            if self.text.starts_with('\u{feff}') {
+                formatted.insert(0, '\u{feff}');
+            }
+            formatted
+        })
     }
 
     /// Drops the tree to save its memory; it is built again when it is needed.

@@ -137,6 +137,14 @@ impl Model {
         json!({"line": line, "character": at - start})
     }
 
+    /// Returns the index of a position.
+    pub(crate) fn index(&self, position: &Value) -> usize {
+        let [line, character] =
+            ["line", "character"].map(|key| position[key].as_u64().unwrap() as usize);
+        let ends = self.units.split_inclusive(|unit| *unit == 10).take(line);
+        ends.map(<[u32]>::len).sum::<usize>() + character
+    }
+
     fn edit_anywhere(&mut self, random: &mut Random) -> Value {
         self.edit(random, 0..self.units.len())
     }

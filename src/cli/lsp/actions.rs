@@ -43,7 +43,7 @@ pub(super) fn all(
                 &snapshot.uri,
                 &snapshot.client,
             )]),
-            edit: Some(workspace_edit(snapshot, &fix.edits)),
+            edit: Some(workspace_edit(snapshot, fix.edits.clone())),
             is_preferred: Some(fix.is_safe),
             ..CodeAction::default()
         }));
@@ -60,7 +60,7 @@ pub(super) fn all(
                     count => format!("Apply all {count} safe fixes"),
                 },
                 kind: Some(FIX_ALL),
-                edit: Some(workspace_edit(snapshot, &edits)),
+                edit: Some(workspace_edit(snapshot, edits)),
                 ..CodeAction::default()
             }
         }));
@@ -112,9 +112,9 @@ fn title(text: &str, fix: &Fix, message: &str) -> String {
     clippy::mutable_key_type,
     reason = "the protocol's type; nothing changes the address"
 )]
-pub(super) fn workspace_edit(snapshot: &Snapshot, edits: &[Edit]) -> WorkspaceEdit {
+pub(super) fn workspace_edit(snapshot: &Snapshot, edits: Vec<Edit>) -> WorkspaceEdit {
     let places = snapshot.places();
-    let edits = edits.iter().map(|edit| places.edit(edit));
+    let edits = edits.into_iter().map(|edit| places.edit(edit));
     if !snapshot.client.document_changes {
         return WorkspaceEdit::new(HashMap::from([(snapshot.uri.clone(), edits.collect())]));
     }

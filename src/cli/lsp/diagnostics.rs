@@ -21,7 +21,7 @@ use super::{
     document::{Latest, OpenDocument, Waiting, Wish},
     outbox::Outbox,
     text::Places,
-    work::{Pace, Work, value},
+    work::{Pace, Work},
 };
 
 /// Returns the diagnostics of a text as the client gets them; errors are kept before warnings.
@@ -174,8 +174,7 @@ pub(super) fn answer_or_wait(
             let latest = document.latest().filter(|latest| latest.is_scene).cloned();
             let snapshot = document.snapshot(client);
             work.answer(id, Pace::Slow, move |_| {
-                let actions = latest.map(|latest| actions::all(&snapshot, &latest, &params));
-                value(actions)
+                Ok(latest.map(|latest| actions::all(&snapshot, &latest, &params)))
             });
         }
     }

@@ -8,25 +8,33 @@ use lsp_types::{
 };
 use strahl::text::Edit;
 
-use super::{super::changed_lines::changed_lines, document::Snapshot, work::Result};
+use super::{
+    super::changed_lines::{changed_lines, changed_lines_near},
+    document::Snapshot,
+    work::Result,
+};
 
-/// Returns the edits that format a text; `None` if it has syntax faults.
-fn edits(snapshot: &Snapshot) -> Option<Vec<Edit>> {
+/// Returns the edits that format a text, or those near a range; `None` if it has syntax faults.
+fn edits(snapshot: &Snapshot, near: Option<Range<usize>>) -> Option<Vec<TextEdit>> {
     let source = snapshot.text.source();
-    let formatted = source.format()?;
-    Some(changed_lines(source.text(), &formatted))
+    let (text, formatted) = (source.text(), source.format()?);
+    let edits = match near {
+        None => changed_lines(text, &formatted),
+        Some(range) => changed_lines_near(text, &formatted, &range),
+    };
+    Some(placed(snapshot, edits))
 }
 
-fn placed(snapshot: &Snapshot, edits: &[Edit]) -> Vec<TextEdit> {
+fn placed(snapshot: &Snapshot, edits: impl IntoIterator<Item = Edit>) -> Vec<TextEdit> {
     let places = snapshot.places();
-    edits.iter().map(|edit| places.edit(edit)).collect()
+    edits.into_iter().map(|edit| places.edit(edit)).collect()
 }
 
 pub(super) fn whole(
     snapshot: &Snapshot,
     _params: DocumentFormattingParams,
 ) -> Result<Option<Vec<TextEdit>>> {
-    Ok(edits(snapshot).map(|edits| placed(snapshot, &edits)))
+    Ok(edits(snapshot, None))
 }
 
 pub(super) fn range(
@@ -34,12 +42,7 @@ pub(super) fn range(
     params: DocumentRangeFormattingParams,
 ) -> Result<Option<Vec<TextEdit>>> {
     let range = snapshot.places().offsets(params.range);
-    let touches = |edit: &Edit| edit.range.start <= range.end && range.start <= edit.range.end;
-    let edits = edits(snapshot).map(|mut edits| {
-        edits.retain(touches);
-        placed(snapshot, &edits)
-    });
-    Ok(edits)
+    Ok(edits(snapshot, Some(range)))
 }
 
 pub(super) fn on_type(
@@ -60,8 +63,7 @@ pub(super) fn on_type(
         };
         (text.get(edit.range.clone()) != Some(&*edit.text)).then_some(edit)
     });
-    let edits: Vec<_> = edit.into_iter().collect();
-    Ok(Some(placed(snapshot, &edits)))
+    Ok(Some(placed(snapshot, edit)))
 }
 
 /// Returns the range of the blanks that begin a line, if what was typed may change them: a line

@@ -86,5 +86,5 @@ pub(super) fn rename(snapshot: &Snapshot, params: RenameParams) -> Result<Option
     };
     let edits = excerpt.rename(&name, &params.new_name);
     let edits = edits.map_err(|error| refused(ErrorCode::RequestFailed, error.to_string()))?;
-    Ok(Some(workspace_edit(snapshot, &edits)))
+    Ok(Some(workspace_edit(snapshot, edits)))
 }

@@ -10,13 +10,14 @@ use std::{
     time::Duration,
 };
 
-use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
+use lsp_server::{ErrorCode, RequestId, ResponseError};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{
     super::{failure::Failure, threads::spawn},
     wire,
+    work::Result,
 };
 
 /// The fault of a server whose threads the system refuses.
@@ -34,7 +35,7 @@ pub(super) struct Outbox {
 }
 
 enum Frame {
-    Bytes(Vec<u8>),
+    Message(Vec<u8>),
     /// Everything before it has been written.
     End(Sender<()>),
 }
@@ -46,9 +47,7 @@ impl Outbox {
             for frame in queue {
                 match frame {
                     // A client that is gone is noticed by the reader.
-                    Frame::Bytes(bytes) => {
-                        drop(output.write_all(&bytes).and_then(|()| output.flush()))
-                    }
+                    Frame::Message(message) => drop(wire::write(&mut output, &message)),
                     Frame::End(done) => drop(done.send(())),
                 }
             }
@@ -59,16 +58,17 @@ impl Outbox {
         })
     }
 
-    pub(super) fn send(&self, message: &Value) {
-        let _ = self.frames.send(Frame::Bytes(wire::frame(message)));
+    /// Writes a message in JSON.
+    pub(super) fn write(&self, message: Vec<u8>) {
+        let _ = self.frames.send(Frame::Message(message));
     }
 
-    pub(super) fn respond(&self, id: RequestId, result: Result<Value, ResponseError>) {
-        let response_result = result;
-        self.send(&wire::response(Response {
-            id,
-            response_result,
-        }));
+    pub(super) fn send(&self, message: &Value) {
+        self.write(message.to_string().into_bytes());
+    }
+
+    pub(super) fn respond<T: Serialize>(&self, id: &RequestId, result: Result<T>) {
+        self.write(wire::response(id, result));
     }
 
     pub(super) fn notify(&self, method: &str, params: impl Serialize) {

@@ -19,7 +19,7 @@ use super::{
     outbox::refused,
     server::Server,
     structure,
-    work::{Pace, Result, value},
+    work::{Pace, Result},
 };
 
 /// The requests about one document, each with its pace and the function that finds the answer.
@@ -74,7 +74,7 @@ pub(super) fn dispatch(server: &mut Server, request: Request) {
         }),
     };
     if let Err(error) = done {
-        server.outbox.respond(id, Err(error));
+        server.outbox.respond::<()>(&id, Err(error));
     }
 }
 
@@ -109,8 +109,8 @@ where
     server.work.answer(request.id, pace, move |_| {
         // Other files get nothing.
         match is_scene_file && snapshot.text.may_be_scene() {
-            true => value(find(&snapshot, params)?),
-            false => value(M::Result::default()),
+            true => find(&snapshot, params),
+            false => Ok(M::Result::default()),
         }
     });
     Ok(())

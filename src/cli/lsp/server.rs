@@ -146,7 +146,7 @@ impl Server {
             (Phase::Running, _) => return requests::dispatch(self, request),
             (Phase::ShutDown, _) => invalid("the server is shut down"),
         };
-        self.outbox.respond(request.id, answer);
+        self.outbox.respond(&request.id, answer);
     }
 
     fn initialize(&mut self, params: &Value) -> Value {
@@ -260,7 +260,7 @@ impl Server {
         document.close();
         for waiting in document.waiting {
             let gone = |_: &_| {
-                Err(refused(
+                Err::<(), _>(refused(
                     ErrorCode::ContentModified,
                     "the document was closed",
                 ))

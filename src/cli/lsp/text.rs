@@ -205,7 +205,7 @@ impl<'a> Places<'a> {
         start.min(end)..start.max(end)
     }
 
-    pub(super) fn edit(&self, edit: &Edit) -> TextEdit {
-        TextEdit::new(self.range(&edit.range), edit.text.clone())
+    pub(super) fn edit(&self, edit: Edit) -> TextEdit {
+        TextEdit::new(self.range(&edit.range), edit.text)
     }
 }

@@ -1,9 +1,12 @@
 //! Messages as bytes: a header with their length, and JSON.
 
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, Read, Write};
 
-use lsp_server::{ErrorCode, Message, RequestId, Response};
+use lsp_server::{ErrorCode, Message, RequestId, ResponseError};
+use serde::Serialize;
 use serde_json::{Value, json};
+
+use super::{outbox::refused, work::Result};
 
 /// The longest line of a header.
 const LONGEST_LINE: u64 = 1 << 12;
@@ -84,18 +87,39 @@ fn malformed(id: Option<Value>, code: ErrorCode, message: &str) -> Incoming {
     }))
 }
 
-/// Returns a value as a message.
-pub(super) fn frame(value: &Value) -> Vec<u8> {
-    let text = value.to_string();
-    format!("Content-Length: {}\r\n\r\n{text}", text.len()).into_bytes()
+/// Writes a message in JSON.
+pub(super) fn write(output: &mut impl Write, message: &[u8]) -> io::Result<()> {
+    write!(output, "Content-Length: {}\r\n\r\n", message.len())?;
+    output.write_all(message)?;
+    output.flush()
 }
 
-/// Returns a response as a value.
-pub(super) fn response(response: Response) -> Value {
-    match response.response_result {
-        Ok(result) => json!({"jsonrpc": "2.0", "id": response.id, "result": result}),
-        Err(error) => json!({"jsonrpc": "2.0", "id": response.id, "error": error}),
-    }
+#[derive(Serialize)]
+struct Reply<'a, T> {
+    jsonrpc: &'static str,
+    id: &'a RequestId,
+    #[serde(flatten)]
+    result: ReplyResult<T>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "lowercase")]
+enum ReplyResult<T> {
+    Result(T),
+    Error(ResponseError),
+}
+
+/// Returns a response in JSON. It is not a [`Value`] in between, which takes 30 times as much memory.
+pub(super) fn response<T: Serialize>(id: &RequestId, result: Result<T>) -> Vec<u8> {
+    let message = Reply {
+        jsonrpc: "2.0",
+        id,
+        result: result.map_or_else(ReplyResult::Error, ReplyResult::Result),
+    };
+    serde_json::to_vec(&message).unwrap_or_else(|error| {
+        let error = refused(ErrorCode::InternalError, error.to_string());
+        response::<()>(id, Err(error))
+    })
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ use std::{
 
 use lsp_server::{ErrorCode, RequestId, ResponseError};
 use serde::Serialize;
-use serde_json::Value;
 use strahl::parallel::Cancel;
 
 use super::{
@@ -20,19 +19,17 @@ use super::{
         threads::{lock, spawn},
     },
     outbox::{NO_THREADS, Outbox, refused},
+    wire,
 };
 
 /// The result of an answer.
 pub(super) type Result<T, E = ResponseError> = std::result::Result<T, E>;
-/// The answer to a request.
-pub(super) type Answer = Result<Value>;
-type Job = (RequestId, Cancel, Box<dyn FnOnce(&Cancel) -> Answer + Send>);
-
-/// Returns a result as JSON.
-pub(super) fn value(result: impl Serialize) -> Answer {
-    let value = serde_json::to_value(result);
-    value.map_err(|error| refused(ErrorCode::InternalError, error.to_string()))
-}
+/// A request, and the function that returns the response in JSON.
+type Job = (
+    RequestId,
+    Cancel,
+    Box<dyn FnOnce(&Cancel) -> Vec<u8> + Send>,
+);
 
 /// The time that an answer takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,11 +71,11 @@ impl Work {
     }
 
     /// Answers a request that was noted, unless it is cancelled before.
-    pub(super) fn answer(
+    pub(super) fn answer<T: Serialize>(
         &self,
         id: RequestId,
         pace: Pace,
-        answer: impl FnOnce(&Cancel) -> Answer + Send + 'static,
+        answer: impl FnOnce(&Cancel) -> Result<T> + Send + 'static,
     ) {
         let Some(cancel) = lock(&self.pending).get(&id).cloned() else {
             return;
@@ -88,6 +85,8 @@ impl Work {
             Pace::Slow => &self.slow,
             Pace::Files => &self.files,
         };
+        let of = id.clone();
+        let answer = move |cancel: &Cancel| wire::response(&of, answer(cancel));
         // The threads end with the server.
         let _ = queue.send((id, cancel, Box::new(answer)));
     }
@@ -98,7 +97,7 @@ impl Work {
         if let Some(cancel) = cancel {
             cancel.cancel();
             let error = refused(ErrorCode::RequestCanceled, "cancelled");
-            self.outbox.respond(id, Err(error));
+            self.outbox.respond::<()>(&id, Err(error));
         }
     }
 
@@ -122,14 +121,12 @@ fn start(outbox: &Outbox, pending: &Arc<Mutex<Pending>>) -> Result<Sender<Job>, 
             // A fault of one answer must not cost the others.
             let answer = panic::catch_unwind(AssertUnwindSafe(|| answer(&cancel)));
             let answer = answer.unwrap_or_else(|_| {
-                Err(refused(
-                    ErrorCode::InternalError,
-                    "the answer failed; please report this",
-                ))
+                let message = "the answer failed; please report this";
+                wire::response::<()>(&id, Err(refused(ErrorCode::InternalError, message)))
             });
             let is_wanted = lock(&pending).remove(&id).is_some();
             if is_wanted {
-                outbox.respond(id, answer);
+                outbox.write(answer);
             }
         }
     })?;

@@ -28,7 +28,7 @@ use super::{
     settings::{OfScene, SettingsOf},
     text::Places,
     uri,
-    work::{Answer, Pace},
+    work::{Pace, Result},
 };
 
 /// The number of files in a part of the answer.
@@ -115,7 +115,7 @@ struct FolderCheck {
 }
 
 impl FolderCheck {
-    fn answer(mut self, settings: &SettingsOf, cancel: &Cancel) -> Answer {
+    fn answer(mut self, settings: &SettingsOf, cancel: &Cancel) -> Result<Value> {
         for folder in self.folders.clone() {
             // A folder without scenes is not a fault here.
             let files = find_scenes(&[folder], &[], &self.configs).unwrap_or_default();
