@@ -1,10 +1,10 @@
 //! The edits of the lines in which two texts differ.
 
-use std::{iter, ops::Range};
+use std::ops::Range;
 
 use strahl::text::Edit;
 
-use super::line_diff::LineDiff;
+use super::line_diff::{LineDiff, starts};
 
 /// Returns the edits that turn one text into another: one for each run of lines that differ, so that
 /// the cursor of an editor stays where it is.
@@ -14,13 +14,7 @@ pub(super) fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
 
 /// Returns those edits that touch a range of the old text, each with as few lines as possible.
 pub(super) fn changed_lines_near(old: &str, new: &str, range: &Range<usize>) -> Vec<Edit> {
-    let mut diff = LineDiff::of_parts(old, new);
-    let starts: Vec<_> = starts(&diff.old).collect();
-    diff.changes.retain(|change| {
-        starts[change.old.start] <= range.end && range.start <= starts[change.old.end]
-    });
-    diff.join();
-    edits(&diff)
+    edits(&LineDiff::near(old, new, range.clone()))
 }
 
 fn edits(diff: &LineDiff) -> Vec<Edit> {
@@ -30,15 +24,6 @@ fn edits(diff: &LineDiff) -> Vec<Edit> {
         text: diff.new[change.new.clone()].concat(),
     });
     edits.collect()
-}
-
-/// Returns the offset of each line, and the end of the last.
-fn starts(lines: &[&str]) -> impl Iterator<Item = usize> {
-    let ends = lines.iter().scan(0, |at, line| {
-        *at += line.len();
-        Some(*at)
-    });
-    iter::once(0).chain(ends)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::{
     io::{self, Write},
-    mem,
+    iter, mem,
     ops::Range,
 };
 
@@ -36,29 +36,23 @@ pub(super) enum Side {
 
 impl<'a> LineDiff<'a> {
     pub(super) fn new(old: &'a str, new: &'a str) -> Self {
-        let mut diff = Self::of_parts(old, new);
-        diff.join();
-        diff
+        Self::near(old, new, 0..old.len())
     }
 
-    /// Like [`new`](Self::new), but the changes of a formatter are in parts that are as short as
-    /// possible, also without equal lines between them.
-    pub(super) fn of_parts(old: &'a str, new: &'a str) -> Self {
+    /// Like [`new`](Self::new), with only the changes that touch a range of bytes of the old text, and with as few lines
+    /// as possible there.
+    pub(super) fn near(old: &'a str, new: &'a str, range: Range<usize>) -> Self {
         let lines = |text: &'a str| text.split_inclusive('\n').collect();
         let (old, new): (Vec<_>, Vec<_>) = (lines(old), lines(new));
-        let changes = parts(&old, &new).unwrap_or_else(|| changes(&old, &new));
-        Self { old, new, changes }
-    }
-
-    /// Joins the changes without equal lines between them.
-    pub(super) fn join(&mut self) {
-        self.changes.dedup_by(|next, last| {
-            let is_next = last.old.end == next.old.start && last.new.end == next.new.start;
-            if is_next {
-                (last.old.end, last.new.end) = (next.old.end, next.new.end);
-            }
-            is_next
+        let before = |end| starts(&old).take_while(|start| *start < end).count();
+        let (first, end) = (before(range.start), before(range.end + 1));
+        let is_near = |lines: &Range<usize>| lines.start < end && first <= lines.end;
+        let changes = parts(&old, &new, is_near).unwrap_or_else(|| {
+            let mut changes = changes(&old, &new);
+            changes.retain(|change| is_near(&change.old));
+            changes
         });
+        Self { old, new, changes }
     }
 
     /// Returns the lines of both texts, from top to bottom.
@@ -115,11 +109,25 @@ impl<'a> LineDiff<'a> {
     }
 }
 
+/// Returns the offset of each line, and the end of the last.
+pub(super) fn starts(lines: &[&str]) -> impl Iterator<Item = usize> {
+    let ends = lines.iter().scan(0, |at, line| {
+        *at += line.len();
+        Some(*at)
+    });
+    iter::once(0).chain(ends)
+}
+
 /// Returns the changes between lines that only differ in blanks, commas and line breaks, as those
-/// before and after a formatter do: a part ends where both have the same other letters. `None` if
-/// they differ in more. Unlike a diff of any lines, it takes linear time and hardly any memory.
-fn parts(old: &[&str], new: &[&str]) -> Option<Vec<Change>> {
-    let mut parts = Vec::new();
+/// before and after a formatter do: a part ends where both have the same other letters, and parts
+/// without equal lines between them are one change. Of the parts, only those that are near are kept. `None`
+/// if the texts differ in more. Unlike a diff of any lines, it takes linear time and hardly any memory.
+fn parts(
+    old: &[&str],
+    new: &[&str],
+    is_near: impl Fn(&Range<usize>) -> bool,
+) -> Option<Vec<Change>> {
+    let mut parts: Vec<Change> = Vec::new();
     let (mut from, mut to, mut next) = (0, 0, 0);
     while from < old.len() || to < new.len() {
         if old.get(from) == new.get(to) {
@@ -153,10 +161,18 @@ fn parts(old: &[&str], new: &[&str]) -> Option<Vec<Change>> {
         if !letters(&old[old_lines.clone()]).eq(letters(&new[new_lines.clone()])) {
             return None;
         }
-        parts.push(Change {
-            old: old_lines,
-            new: new_lines,
-        });
+        if !is_near(&old_lines) {
+            continue;
+        }
+        match parts.last_mut() {
+            Some(last) if last.old.end == first_old && last.new.end == first_new => {
+                (last.old.end, last.new.end) = (from, to);
+            }
+            _ => parts.push(Change {
+                old: old_lines,
+                new: new_lines,
+            }),
+        }
     }
     Some(parts)
 }
