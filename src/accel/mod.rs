@@ -10,7 +10,7 @@
 //! [`kept`] holds what the frames of an animation share, and [`runs`] the parts of a world that it is of.
 //! [`near_faces`] excludes faces that points do not lie on.
 //! [`convex`] tests cylinders, cones, boxes and discs by eight rays.
-//! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
+//! [`lanes`] holds the equations for eight lanes, [`pow`] their powers, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
 mod convex;
@@ -22,6 +22,7 @@ pub(crate) mod mesh;
 pub(crate) mod near_faces;
 pub(crate) mod pages;
 mod places;
+pub(crate) mod pow;
 pub(crate) mod raster;
 pub(crate) mod runs;
 pub(crate) mod shadow;

@@ -1,6 +1,6 @@
 //! The questions of direct lighting, answered by a tree.
 
-use std::{rc::Rc, sync::OnceLock};
+use std::sync::{Arc, OnceLock};
 
 use crate::{
     accel::{
@@ -119,7 +119,7 @@ impl Queries for Accelerated<'_> {
         }
         match self.contact(&arriving, hit) {
             Some(contact) => {
-                let start = start.with(Some(Rc::new(contact)));
+                let start = start.with(Some(Arc::new(contact)));
                 hierarchy.transmission(world, ray, t_max, &start)
             }
             None => {

@@ -10,6 +10,7 @@ use crate::{
     accel::{
         lanes::{bits, dot, splat3, sub, unit},
         near_faces::NearFaces,
+        pow::pow,
         shadow::{Last, Points, Shadowed, Shadows, casters::Toward},
     },
     integrator::direct::{Queries, Shadow},
@@ -34,7 +35,7 @@ use crate::{
 };
 
 pub(crate) use self::surfaces::Cache;
-use self::surfaces::{Kinds, Surfaces};
+use self::surfaces::Surfaces;
 
 /// A row of samples and their hits.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +49,32 @@ pub(crate) struct SampleRow<'a> {
     pub(crate) t: &'a [f64],
 }
 
+/// Rays that begin anywhere, and their hits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnwardRow<'a> {
+    /// By axis.
+    pub(crate) origins: [&'a [f64]; 3],
+    pub(crate) directions: [&'a [f64]; 3],
+    /// The indices of the geometries.
+    pub(crate) indices: &'a [u32],
+    pub(crate) faces: &'a [u64],
+    pub(crate) t: &'a [f64],
+}
+
+/// Hits to be shaded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum HitRow<'a> {
+    Samples(SampleRow<'a>),
+    Onward(OnwardRow<'a>),
+}
+
 /// Shades a row. In a world without lights, each geometry shows its color.
 pub(crate) struct ShadeRow<'a, Q> {
     pub(crate) world: &'a World,
     /// The shadows of each light, unless it casts none.
     pub(crate) shadows: &'a [Option<Shadows<'a>>],
     pub(crate) queries: &'a Q,
-    pub(crate) row: SampleRow<'a>,
+    pub(crate) row: HitRow<'a>,
     pub(crate) known: &'a mut Cache,
     /// Red, green and blue of each sample.
     pub(crate) light: [&'a mut [f64]; 3],
@@ -74,6 +94,15 @@ impl Others {
     pub(crate) fn clear(&mut self) {
         self.places.clear();
         self.shadows.clear();
+    }
+
+    /// Adds some of eight samples, given the shadows of each light.
+    fn push(&mut self, start: usize, lanes: u8, shadows: &[[Shadow; LANES]]) {
+        for lane in bits(lanes) {
+            self.places.push(start + lane);
+            let shadows = shadows.iter().map(|shadows| shadows[lane]);
+            self.shadows.extend(shadows);
+        }
     }
 
     /// Returns the samples and the shadows of all lights on each.
@@ -110,6 +139,35 @@ impl<'a> SampleRow<'a> {
         }
     }
 
+    /// Returns the rays from `start` on: their origins and directions, and the `t` of the hits.
+    #[inline(always)]
+    fn rays<S: Simd>(&self, simd: S, start: usize) -> ([[S::F64; 3]; 2], S::F64) {
+        let sum = add(load_row(simd, self.columns, start), splat3(simd, self.row));
+        let rays = match self.camera {
+            Camera::Perspective(camera) => [splat3(simd, camera.basis.eye), unit(sum)],
+            Camera::Orthographic(camera) => [sum, splat3(simd, -camera.basis.w)],
+        };
+        (rays, load(simd, self.t, start))
+    }
+}
+
+impl HitRow<'_> {
+    const fn len(&self) -> usize {
+        match self {
+            Self::Samples(row) => row.ids.len(),
+            Self::Onward(row) => row.indices.len(),
+        }
+    }
+
+    /// Returns the indices of the geometries hit from `start` on. Lanes behind the end repeat the last ray.
+    #[inline(always)]
+    fn indices(&self, world: &World, start: usize) -> [u32; LANES] {
+        match self {
+            Self::Samples(row) => row.indices(world, start),
+            Self::Onward(row) => lanes(row.indices, start),
+        }
+    }
+
     /// Returns the hits of these geometries from `start` on, with `v` if a light needs it or a surface.
     #[inline(always)]
     fn hits<S: Simd>(
@@ -119,21 +177,21 @@ impl<'a> SampleRow<'a> {
         (indices, mut surfaces): ([u32; LANES], Surfaces<S>),
         (start, needs_v): (usize, bool),
     ) -> Hits<S> {
-        let [x, y, z] = self.columns;
-        let column = [
-            load(simd, x, start),
-            load(simd, y, start),
-            load(simd, z, start),
-        ];
-        let sum = add(column, splat3(simd, self.row));
-        let (o, d) = match self.camera {
-            Camera::Perspective(camera) => (splat3(simd, camera.basis.eye), unit(sum)),
-            Camera::Orthographic(camera) => (sum, splat3(simd, -camera.basis.w)),
+        let (rays, t) = match self {
+            Self::Samples(row) => row.rays(simd, start),
+            Self::Onward(row) => {
+                let rays = [row.origins, row.directions].map(|axes| load_row(simd, axes, start));
+                (rays, load(simd, row.t, start))
+            }
         };
-        let t = load(simd, self.t, start);
-        let faces = match surfaces.others {
-            0 => [0; LANES],
-            _ => surfaces.find_others(simd, world, &indices, (o, d, t)),
+        let [o, d] = rays;
+        let faces = match (surfaces.others, self) {
+            (0, _) => [0; LANES],
+            (_, Self::Samples(_)) => surfaces.find_others(simd, world, &indices, (o, d, t), None),
+            (_, Self::Onward(row)) => {
+                let faces = lanes(row.faces, start);
+                surfaces.find_others(simd, world, &indices, (o, d, t), Some(faces))
+            }
         };
         let along = [t * d[0], t * d[1], t * d[2]];
         let normal = normal(simd, o, along, d, &surfaces);
@@ -142,7 +200,7 @@ impl<'a> SampleRow<'a> {
             indices,
             faces,
             point: add(o, along),
-            rays: ([o, d], t),
+            rays: (rays, t),
             v: match needs_v || surfaces.kinds.glossy != 0 {
                 true => negate(unit(d)),
                 false => d,
@@ -161,13 +219,11 @@ impl<S: Simd> Hits<S> {
         let twice = simd.splat(2.0) * cosine;
         let [x, y, z] = self.n;
         let r = sub([twice * x, twice * y, twice * z], l);
-        let (mut cosines, mut highlight) = ([0.0; LANES], [0.0; LANES]);
-        dot(r, self.v).store(&mut cosines);
+        let (zero, mut cosines) = (simd.splat(0.0), [0.0; LANES]);
+        let cosine = dot(r, self.v).max(zero);
+        S::F64::select(simd.mask(lanes), cosine, zero).store(&mut cosines);
         let (_, exponents) = &self.surfaces.highlight;
-        for lane in bits(lanes) {
-            highlight[lane] = libm::pow(cosines[lane].max(0.0), exponents[lane]);
-        }
-        simd.load(&highlight)
+        simd.load(&pow(&cosines, exponents))
     }
 }
 
@@ -199,6 +255,16 @@ fn load<S: Simd>(simd: S, from: &[f64], start: usize) -> S::F64 {
         Some(lanes) => simd.load(lanes),
         None => simd.load(&lanes(from, start)),
     }
+}
+
+/// Returns eight vectors; those behind the end are the last.
+#[inline(always)]
+fn load_row<S: Simd>(simd: S, [x, y, z]: [&[f64]; 3], start: usize) -> [S::F64; 3] {
+    [
+        load(simd, x, start),
+        load(simd, y, start),
+        load(simd, z, start),
+    ]
 }
 
 /// Stores at most eight numbers.
@@ -334,7 +400,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
-        let count = self.row.ids.len();
+        let count = self.row.len();
         let lights = self.world.lights();
         let needs_v = lights.iter().any(|light| light.source() == Source::Viewer);
         let mut last = vec![Last::default(); lights.len()];
@@ -345,87 +411,79 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
             let indices = self.row.indices(self.world, start);
             let surfaces = Surfaces::new(simd, self.world, self.known, &indices);
             let kinds = surfaces.kinds;
-            if kinds == Kinds::default() {
+            let scatters = (kinds.matte | kinds.scattering) & inside;
+            if scatters == 0 {
                 for (light, color) in self.light.iter_mut().zip(surfaces.color) {
                     store(color, &mut light[start..start + width]);
                 }
+                self.others.push(start, kinds.clear & inside, &shadows);
                 continue;
             }
             let hits = self
                 .row
                 .hits(simd, self.world, (indices, surfaces), (start, needs_v));
-            let scatters = (kinds.matte | kinds.scattering) & inside;
             let mut others = kinds.scattering | kinds.clear;
             let zero = simd.splat(0.0);
             let (mut sums, mut highlights) = ([zero; 3], [zero; 3]);
-            if scatters != 0 {
-                let most = Points::most_of(simd, scatters, [hits.point, hits.rays.0[0]]);
-                let touching = match hits.surfaces.others & scatters {
-                    0 => 0,
-                    others => self.touching(simd, &hits, (others, most)),
-                };
-                for (number, light) in lights.iter().enumerate() {
-                    let radiance = light.glow().radiance().channels;
-                    let Some(arriving) = arriving(simd, light, &hits) else {
-                        for (sum, radiance) in sums.iter_mut().zip(radiance) {
-                            *sum = *sum + simd.splat(radiance);
-                        }
-                        continue;
-                    };
-                    let cosine = dot(hits.n, arriving.l);
-                    let mut shines = arriving.reaches & zero.lt(cosine);
-                    let asked = shines.bits() & scatters;
-                    if let Some(of_light) = &self.shadows[number]
-                        && asked != 0
-                    {
-                        let points = Points {
-                            at: hits.point,
-                            own: &hits.indices,
-                            faces: &hits.faces,
-                            center: hits.surfaces.vector,
-                            is_sphere: hits.surfaces.is_sphere,
-                            rays: hits.rays,
-                            asked: asked & !touching,
-                            most,
-                        };
-                        let mut found = of_light.on(simd, points, &mut last[number]);
-                        found.open |= asked & touching;
-                        if found.open != 0 {
-                            self.trace(simd, light, &hits, &mut found);
-                        }
-                        shadows[number] = found.each();
-                        others |= found.glass;
-                        if found.dark != 0 {
-                            shines = shines & !simd.mask(found.dark);
-                        }
+            let most = Points::most_of(simd, scatters, [hits.point, hits.rays.0[0]]);
+            let touching = match hits.surfaces.others & scatters {
+                0 => 0,
+                others => self.touching(simd, &hits, (others, most)),
+            };
+            for (number, light) in lights.iter().enumerate() {
+                let radiance = light.glow().radiance().channels;
+                let Some(arriving) = arriving(simd, light, &hits) else {
+                    for (sum, radiance) in sums.iter_mut().zip(radiance) {
+                        *sum = *sum + simd.splat(radiance);
                     }
-                    let glossy = kinds.glossy & shines.bits();
-                    let highlight = match glossy {
-                        0 => None,
-                        _ => Some(hits.highlight(simd, glossy, arriving.l, cosine)),
+                    continue;
+                };
+                let cosine = dot(hits.n, arriving.l);
+                let mut shines = arriving.reaches & zero.lt(cosine);
+                let asked = shines.bits() & scatters;
+                if let Some(of_light) = &self.shadows[number]
+                    && asked != 0
+                {
+                    let points = Points {
+                        at: hits.point,
+                        own: &hits.indices,
+                        faces: &hits.faces,
+                        center: hits.surfaces.vector,
+                        is_sphere: hits.surfaces.is_sphere,
+                        rays: hits.rays,
+                        asked: asked & !touching,
+                        most,
                     };
-                    for channel in 0..3 {
-                        let mut radiance = simd.splat(radiance[channel]);
-                        if let Some(weight) = arriving.weight {
-                            radiance = radiance * weight;
-                        }
-                        let sum = &mut sums[channel];
-                        *sum = S::F64::select(shines, *sum + radiance * cosine, *sum);
-                        if let Some(highlight) = highlight {
-                            let sum = &mut highlights[channel];
-                            *sum = S::F64::select(shines, *sum + radiance * highlight, *sum);
-                        }
+                    let mut found = of_light.on(simd, points, &mut last[number]);
+                    found.open |= asked & touching;
+                    if found.open != 0 {
+                        self.trace(simd, light, &hits, &mut found);
+                    }
+                    shadows[number] = found.each();
+                    others |= found.glass;
+                    if found.dark != 0 {
+                        shines = shines & !simd.mask(found.dark);
+                    }
+                }
+                let glossy = kinds.glossy & shines.bits();
+                let highlight = match glossy {
+                    0 => None,
+                    _ => Some(hits.highlight(simd, glossy, arriving.l, cosine)),
+                };
+                for channel in 0..3 {
+                    let mut radiance = simd.splat(radiance[channel]);
+                    if let Some(weight) = arriving.weight {
+                        radiance = radiance * weight;
+                    }
+                    let sum = &mut sums[channel];
+                    *sum = S::F64::select(shines, *sum + radiance * cosine, *sum);
+                    if let Some(highlight) = highlight {
+                        let sum = &mut highlights[channel];
+                        *sum = S::F64::select(shines, *sum + radiance * highlight, *sum);
                     }
                 }
             }
-            others &= inside;
-            while others != 0 {
-                let lane = others.trailing_zeros() as usize;
-                others &= others - 1;
-                self.others.places.push(start + lane);
-                let shadows = shadows.iter().map(|shadows| shadows[lane]);
-                self.others.shadows.extend(shadows);
-            }
+            self.others.push(start, others & inside, &shadows);
             for (channel, light) in self.light.iter_mut().enumerate() {
                 let color = hits.surfaces.color[channel];
                 let mut scattered = color * sums[channel];

@@ -5,13 +5,16 @@
 //! world, [`Queries`]. The plain loops of [`World`] define the answers; `accel/` finds the same ones
 //! sooner. What happens where surfaces meet is that of [`contact`](crate::tracer::contact).
 
-use std::{cell::OnceCell, ops::Add, rc::Rc};
+use std::{cell::OnceCell, ops::Add, sync::Arc};
 
 use glam::DVec3;
 
 use crate::{
     film::parts::LightParts,
-    integrator::Integrate,
+    integrator::{
+        Integrate,
+        queue::{Lanes, Queue, Seen},
+    },
     tracer::{
         color::Color,
         contact::{Contact, Crossed, Departure, Interface},
@@ -52,7 +55,7 @@ pub(crate) trait Queries {
     /// Returns a start once all faces are known that it lies on.
     fn known(&self, start: &Departure) -> Departure {
         match start.arrival() {
-            Some((ray, hit)) => start.with(self.contact(&ray, hit).map(Rc::new)),
+            Some((ray, hit)) => start.with(self.contact(&ray, hit).map(Arc::new)),
             None => start.clone(),
         }
     }
@@ -80,7 +83,7 @@ pub(crate) trait Queries {
 /// A step of the evaluation of light.
 pub(crate) enum Step<'a> {
     /// A ray arrives along a path.
-    Ray(&'a Path<'a>),
+    Ray(&'a Path),
     /// It is not traced: too little of its light arrives at the camera.
     Faint,
     /// It is not traced: it is deeper than `max_depth`.
@@ -151,7 +154,7 @@ impl Shaded {
     }
 
     /// Returns the light that a surface reflects or lets through of this.
-    fn sent_on(self, factor: Radiance) -> Self {
+    pub(super) fn sent_on(self, factor: Radiance) -> Self {
         let (specular, others) = (factor * self.parts.sum(), LightParts::default());
         Self {
             parts: LightParts { specular, ..others },
@@ -175,9 +178,9 @@ impl Add for Shaded {
 /// The direct lighting of a world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Direct<'a, Q> {
-    world: &'a World,
+    pub(super) world: &'a World,
     lighting: &'a Lighting,
-    queries: &'a Q,
+    pub(super) queries: &'a Q,
     tone: Tone,
     /// The light of a ray that meets nothing.
     background: Shaded,
@@ -185,7 +188,7 @@ pub(crate) struct Direct<'a, Q> {
 
 /// A ray on its way from the camera.
 #[derive(Clone, Debug)]
-pub(crate) struct Path<'a> {
+pub(crate) struct Path {
     pub(crate) ray: Ray,
     /// Where it begins, unless it is that of a camera.
     pub(crate) start: Option<Departure>,
@@ -193,8 +196,6 @@ pub(crate) struct Path<'a> {
     pub(crate) depth: u32,
     /// The part of its light that arrives at the camera.
     pub(crate) factor: Radiance,
-    /// The shadow of each light where it meets a surface, as far as it is known.
-    shadows: Option<&'a [Shadow]>,
 }
 
 /// The shadow of a light at a point.
@@ -208,15 +209,14 @@ pub(crate) enum Shadow {
     Glass,
 }
 
-impl<'a> Path<'a> {
+impl Path {
     /// Creates the path of a camera's ray.
-    pub(crate) const fn new(ray: Ray, shadows: Option<&'a [Shadow]>) -> Self {
+    pub(super) const fn new(ray: Ray) -> Self {
         Self {
             ray,
             start: None,
             depth: 0,
             factor: Radiance::WHITE,
-            shadows,
         }
     }
 }
@@ -224,7 +224,7 @@ impl<'a> Path<'a> {
 /// A point of a surface as a viewer sees it.
 #[derive(Clone, Debug)]
 pub(crate) struct Surface<'a> {
-    pub(crate) path: &'a Path<'a>,
+    pub(crate) path: &'a Path,
     pub(crate) hit: Hit<'a>,
     /// The index of the geometry.
     pub(crate) index: usize,
@@ -238,15 +238,20 @@ pub(crate) struct Surface<'a> {
     start: OnceCell<Departure>,
 }
 
-/// A ray that goes straight on where surfaces meet, no deeper than the one before it.
-struct Straight {
-    path: Path<'static>,
-    /// The part of its light that comes through.
-    factor: Radiance,
+/// A ray whose light a surface sends on along the path on which it is seen.
+#[derive(Clone, Debug)]
+pub(crate) struct Onward {
+    pub(crate) path: Path,
+    /// The part of its light that is sent on.
+    pub(crate) factor: Radiance,
 }
 
+/// The light that a surface sends along its path by itself; or, where surfaces meet, the ray that goes straight on,
+/// no deeper than the path, in place of all light there.
+pub(super) type Sent = Result<Shaded, Box<Onward>>;
+
 impl<'a> Surface<'a> {
-    fn new(world: &'a World, path: &'a Path<'a>, t: f64, id: FaceId) -> Self {
+    pub(super) fn new(world: &'a World, path: &'a Path, t: f64, id: FaceId) -> Self {
         let hit = world.hit_on(&path.ray, t, id);
         Self {
             v: -unit(path.ray.direction()),
@@ -258,42 +263,50 @@ impl<'a> Surface<'a> {
             path,
             hit,
             index: id.geometry,
-            shadows: path.shadows,
+            shadows: None,
             start: OnceCell::new(),
+        }
+    }
+
+    /// Creates the surface that a path meets, given the shadow of each light there.
+    pub(super) fn shadowed(
+        world: &'a World,
+        path: &'a Path,
+        (t, id): (f64, FaceId),
+        shadows: &'a [Shadow],
+    ) -> Self {
+        Self {
+            shadows: Some(shadows),
+            ..Self::new(world, path, t, id)
         }
     }
 
     /// Returns the surface of another face that its point lies on.
     fn on(&self, world: &'a World, start: &Departure, id: FaceId) -> Self {
         Self {
-            // Those of the face that was hit may be others.
-            shadows: None,
             start: OnceCell::from(start.on(id)),
             ..Self::new(world, self.path, self.hit.t, id)
         }
     }
 
-    /// Returns the path of the light that arrives along a direction and leaves, times a factor,
-    /// along this path.
+    /// Returns the ray along which light arrives that leaves, times a factor, along this path.
     #[inline]
-    fn onward(&self, direction: DVec3, factor: Radiance, start: Departure) -> Path<'static> {
-        Path {
+    fn onward(&self, direction: DVec3, factor: Radiance, start: Departure) -> Onward {
+        let path = Path {
             ray: Ray::new(self.hit.point, direction),
             start: Some(start),
             depth: self.path.depth + 1,
             factor: self.path.factor * factor,
-            shadows: None,
-        }
+        };
+        Onward { path, factor }
     }
 
     /// Returns the ray that goes straight on.
-    fn straight(&self, factor: Radiance, start: &Departure) -> Box<Straight> {
+    fn straight(&self, factor: Radiance, start: &Departure) -> Box<Onward> {
         let direction = self.path.ray.direction();
-        let path = Path {
-            depth: self.path.depth,
-            ..self.onward(direction, factor, start.through(direction))
-        };
-        Box::new(Straight { path, factor })
+        let mut onward = self.onward(direction, factor, start.through(direction));
+        onward.path.depth = self.path.depth;
+        Box::new(onward)
     }
 
     /// Returns the face that was hit.
@@ -318,20 +331,16 @@ impl<'a> Surface<'a> {
 
 impl<Q: Queries> Integrate for Direct<'_, Q> {
     fn trace(&self, ray: &Ray) -> Shaded {
-        self.follow(Path::new(*ray, None))
+        self.follow(Path::new(*ray))
     }
 
-    /// Returns the light that the surface of a geometry sends along a path: the sum of its lobes.
-    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded {
-        let id = FaceId {
-            geometry: index,
-            face: crossing.face,
-        };
-        let surface = Surface::new(self.world, path, crossing.t, id);
-        match self.light_of(&surface) {
-            Ok(shaded) => shaded,
-            Err(straight) => self.follow(straight.path).sent_on(straight.factor),
-        }
+    fn shade<'s>(
+        &self,
+        seen: impl Iterator<Item = Seen<'s>>,
+        (queue, lanes): (&mut Queue, Lanes),
+        set: impl FnMut(usize, Shaded),
+    ) {
+        queue.shade(self, seen, lanes, set);
     }
 }
 
@@ -361,18 +370,20 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     }
 
     /// Returns the light that arrives along a path.
-    fn follow(&self, mut path: Path) -> Shaded {
-        let mut factors = Vec::new();
-        let mut shaded = loop {
+    pub(super) fn follow(&self, mut path: Path) -> Shaded {
+        let (mut factors, mut onward) = (Vec::new(), Vec::new());
+        let shaded = loop {
             self.queries.tell(Step::Ray(&path));
-            match self.step(&path) {
+            match self.step(&path, &mut onward) {
                 Ok(shaded) => break shaded,
                 Err(straight) => {
+                    onward.clear();
                     path = straight.path;
                     factors.push(straight.factor);
                 }
             }
         };
+        let mut shaded = self.with_light(shaded, onward);
         self.queries.tell(Step::Brings(shaded));
         for factor in factors.into_iter().rev() {
             shaded = shaded.sent_on(factor);
@@ -381,15 +392,34 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         shaded
     }
 
-    /// Returns the light that arrives along a path from the first surface, or the ray that goes on there.
-    fn step(&self, path: &Path) -> Result<Shaded, Box<Straight>> {
+    /// Returns light with that of the rays that a surface sends on.
+    fn with_light(&self, shaded: Shaded, onward: Vec<Onward>) -> Shaded {
+        let light = |Onward { path, factor }| self.follow(path).sent_on(factor);
+        onward.into_iter().map(light).fold(shaded, Shaded::add)
+    }
+
+    /// Returns the light of the first surface on a path, and adds the rays whose light it sends on, in the order in
+    /// which that is added.
+    fn step(&self, path: &Path, onward: &mut Vec<Onward>) -> Sent {
+        match self.meet(path, onward) {
+            Ok((t, id)) => self.light_of(&Surface::new(self.world, path, t, id), onward),
+            Err(sent) => sent,
+        }
+    }
+
+    /// Returns where a path meets a surface beyond its start; or else the light that arrives along it.
+    pub(super) fn meet(
+        &self,
+        path: &Path,
+        onward: &mut Vec<Onward>,
+    ) -> Result<(f64, FaceId), Sent> {
         if self.is_faint(path.factor) {
             self.queries.tell(Step::Faint);
-            return Ok(Shaded::default());
+            return Err(Ok(Shaded::default()));
         }
         if path.depth > self.lighting.max_depth {
             self.queries.tell(Step::TooDeep);
-            return Ok(self.background);
+            return Err(Ok(self.background));
         }
         if let Some(start) = &path.start {
             let surface = |id| Surface {
@@ -398,25 +428,24 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             };
             match start.crossed(self.world, path.ray.direction()) {
                 Crossed::Nothing => {}
-                Crossed::Opaque(id) => return self.light_of(&surface(id)),
+                Crossed::Opaque(id) => return Err(self.light_of(&surface(id), onward)),
                 Crossed::Glass(interface) => {
-                    return self.interface(&surface(interface.face), &interface);
+                    let surface = surface(interface.face);
+                    return Err(self.interface(&surface, &interface, onward));
                 }
             }
         }
         match self.queries.nearest(&path.ray, path.start.as_ref()) {
-            Ok(None) => Ok(self.background),
-            Ok(Some((geometry, Crossing { t, face }))) => {
-                let id = FaceId { geometry, face };
-                self.light_of(&Surface::new(self.world, path, t, id))
-            }
+            Ok(None) => Err(Ok(self.background)),
+            Ok(Some((geometry, Crossing { t, face }))) => Ok((t, FaceId { geometry, face })),
             Err(contact) => {
-                let contact = Some(Rc::new(contact));
+                let contact = Some(Arc::new(contact));
                 let start = path.start.as_ref().map(|start| start.with(contact));
-                self.step(&Path {
+                let path = Path {
                     start,
                     ..path.clone()
-                })
+                };
+                self.meet(&path, onward)
             }
         }
     }
@@ -429,8 +458,9 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         part < LEAST && part * self.queries.brightest() < LEAST
     }
 
-    /// Returns the light that a surface sends along its path: the sum of its lobes.
-    fn light_of(&self, surface: &Surface) -> Result<Shaded, Box<Straight>> {
+    /// Returns the light that a surface sends along its path, and adds the rays whose light it sends on: the sum of
+    /// its lobes.
+    pub(super) fn light_of(&self, surface: &Surface, onward: &mut Vec<Onward>) -> Sent {
         self.queries.tell(Step::Surface(surface));
         let material = surface.hit.material();
         let lobes = material.lobes();
@@ -449,13 +479,11 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             let scattered = self.scattered(surface, diffuse, highlight);
             shaded.parts.direct = shaded.parts.direct + scattered;
         }
-        if let Some(color) = mirror
-            && let Some(reflected) = self.reflection(surface, color.to_linear())
-        {
-            shaded = shaded + reflected;
+        if let Some(color) = mirror {
+            self.reflect(surface, color.to_linear(), onward);
         }
         if let Some(glass) = interface {
-            shaded = shaded + self.glass(surface, *glass)?;
+            shaded = shaded + self.glass(surface, *glass, onward)?;
         }
         Ok(shaded)
     }
@@ -567,26 +595,19 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.queries.transmission(&ray, t_max, self.start(surface))
     }
 
-    /// Returns the light that a surface reflects like a mirror, unless that is too faint.
+    /// Adds the ray whose light a surface reflects like a mirror, unless that is too faint.
     #[inline]
-    fn reflection(&self, surface: &Surface, factor: Radiance) -> Option<Shaded> {
+    fn reflect(&self, surface: &Surface, factor: Radiance, onward: &mut Vec<Onward>) {
         self.term("reflected", "reflected part", Value::Light(factor));
         // Many reflect nothing at all, and so ask nothing.
-        match Q::LISTENS || !self.is_faint(surface.path.factor * factor) {
-            true => Some(self.trace_mirrored(surface, factor)),
-            false => None,
+        if Q::LISTENS || !self.is_faint(surface.path.factor * factor) {
+            let start = self.start(surface).clone();
+            onward.push(surface.onward(surface.mirrored(), factor, start));
         }
     }
 
-    #[inline(never)]
-    fn trace_mirrored(&self, surface: &Surface, factor: Radiance) -> Shaded {
-        let start = self.start(surface).clone();
-        let path = surface.onward(surface.mirrored(), factor, start);
-        self.follow(path).sent_on(factor)
-    }
-
     /// Returns the light of glass, or of what meets it at its point.
-    fn glass(&self, surface: &Surface, glass: Glass) -> Result<Shaded, Box<Straight>> {
+    fn glass(&self, surface: &Surface, glass: Glass, onward: &mut Vec<Onward>) -> Sent {
         let start = &self.queries.known(self.start(surface));
         match start.seen(self.world) {
             None => {
@@ -598,12 +619,12 @@ impl<'a, Q: Queries> Direct<'a, Q> {
                     start,
                     ..surface.clone()
                 };
-                self.interface(&surface, &interface)
+                self.interface(&surface, &interface, onward)
             }
-            Some(Crossed::Opaque(id)) => self.light_of(&surface.on(self.world, start, id)),
+            Some(Crossed::Opaque(id)) => self.light_of(&surface.on(self.world, start, id), onward),
             Some(Crossed::Glass(interface)) => {
                 let surface = surface.on(self.world, start, interface.face);
-                self.interface(&surface, &interface)
+                self.interface(&surface, &interface, onward)
             }
             Some(Crossed::Nothing) => Err(surface.straight(Radiance::WHITE, start)),
         }
@@ -618,8 +639,13 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
     }
 
-    /// Returns the light that a surface between two media reflects and lets through.
-    fn interface(&self, surface: &Surface, interface: &Interface) -> Result<Shaded, Box<Straight>> {
+    /// Adds the rays whose light a surface between two media reflects and lets through.
+    fn interface(
+        &self,
+        surface: &Surface,
+        interface: &Interface,
+        onward: &mut Vec<Onward>,
+    ) -> Sent {
         // It may be another face than the one that was hit.
         self.queries.tell(Step::Surface(surface));
         let (start, color) = (self.start(surface), interface.color());
@@ -628,7 +654,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             return Err(surface.straight(color, start));
         }
         let fresnel = interface.fresnel(surface.n.dot(surface.v));
-        let onward = if interface.is_pane {
+        let direction = if interface.is_pane {
             surface.path.ray.direction()
         } else {
             surface.refracted(&fresnel)
@@ -646,8 +672,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.term("fresnel", "F", Value::Number(fresnel.reflected));
         self.term("refracted", "(1-F)·lin(color)", Value::Light(refracted));
         let through = start.through(surface.path.ray.direction());
-        let path = surface.onward(onward, refracted, through);
-        let reflection = self.reflection(surface, reflected).unwrap_or_default();
-        Ok(reflection + self.follow(path).sent_on(refracted))
+        self.reflect(surface, reflected, onward);
+        onward.push(surface.onward(direction, refracted, through));
+        Ok(Shaded::default())
     }
 }

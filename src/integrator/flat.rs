@@ -3,9 +3,10 @@
 use crate::{
     integrator::{
         Integrate,
-        direct::{Path, Shaded},
+        direct::Shaded,
+        queue::{Lanes, Queue, Seen},
     },
-    tracer::{ray::Ray, shape::face::Crossing, world::World},
+    tracer::{ray::Ray, world::World},
 };
 
 /// A world without lights.
@@ -19,8 +20,18 @@ impl Integrate for Flat<'_> {
         Shaded::direct(self.world.color_of(ray).to_linear())
     }
 
-    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded {
-        let hit = self.world.geometries()[index].hit_at(&path.ray, crossing);
-        Shaded::direct(hit.color().to_linear())
+    fn shade<'s>(
+        &self,
+        seen: impl Iterator<Item = Seen<'s>>,
+        _: (&mut Queue, Lanes),
+        mut set: impl FnMut(usize, Shaded),
+    ) {
+        for Seen {
+            place, ray, t, id, ..
+        } in seen
+        {
+            let color = self.world.hit_on(&ray, t, id).color();
+            set(place, Shaded::direct(color.to_linear()));
+        }
     }
 }

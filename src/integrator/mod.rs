@@ -5,13 +5,15 @@ pub(crate) mod batch;
 pub(crate) mod direct;
 pub(crate) mod explain;
 pub(crate) mod flat;
+pub(crate) mod queue;
 
 use crate::{
     integrator::{
-        direct::{Direct, Path, Queries, Shaded},
+        direct::{Direct, Queries, Shaded},
         flat::Flat,
+        queue::{Lanes, Queue, Seen},
     },
-    tracer::{radiance::Radiance, ray::Ray, shape::face::Crossing, tone::Tone, world::World},
+    tracer::{radiance::Radiance, ray::Ray, tone::Tone, world::World},
 };
 
 /// The methods of an integrator, implemented in its own file.
@@ -19,8 +21,13 @@ pub(crate) trait Integrate {
     /// Returns the light of a camera's ray.
     fn trace(&self, ray: &Ray) -> Shaded;
 
-    /// Returns the light that the surface of a geometry sends along a path.
-    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded;
+    /// Passes on the light of hits.
+    fn shade<'s>(
+        &self,
+        seen: impl Iterator<Item = Seen<'s>>,
+        with: (&mut Queue, Lanes),
+        set: impl FnMut(usize, Shaded),
+    );
 }
 
 /// The way in which the light of a world is computed.
@@ -54,10 +61,15 @@ impl<Q: Queries> Integrate for Integrator<'_, Q> {
         }
     }
 
-    fn shade(&self, path: &Path, index: usize, crossing: Crossing) -> Shaded {
+    fn shade<'s>(
+        &self,
+        seen: impl Iterator<Item = Seen<'s>>,
+        with: (&mut Queue, Lanes),
+        set: impl FnMut(usize, Shaded),
+    ) {
         match self {
-            Self::Flat(flat) => flat.shade(path, index, crossing),
-            Self::Direct(direct) => direct.shade(path, index, crossing),
+            Self::Flat(flat) => flat.shade(seen, with, set),
+            Self::Direct(direct) => direct.shade(seen, with, set),
         }
     }
 }

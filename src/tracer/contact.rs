@@ -14,7 +14,7 @@
 //! Glass that meets at a point is one interface: between the first solid of glass in the list that is left
 //! there, else air, and the first that is entered, else air. Where none is, the first pane counts.
 
-use std::{cell::Cell, ops::Range, rc::Rc, slice};
+use std::{cell::Cell, ops::Range, slice, sync::Arc};
 
 use glam::DVec3;
 
@@ -57,7 +57,7 @@ pub(crate) struct Departure {
     /// The face that was hit.
     own: FaceId,
     /// All of the faces, if there are more.
-    contact: Option<Rc<Contact>>,
+    contact: Option<Arc<Contact>>,
     /// The arriving ray and its `t`, as long as it is not known whether there are more.
     arrival: Cell<Option<(Ray, f64)>>,
     /// The ray begins just before or just after its origin on a line along this direction.
@@ -412,7 +412,7 @@ impl Interface {
 impl Departure {
     /// Creates the start of rays that a surface sends back, or to lights, where a ray has arrived along a
     /// direction.
-    pub(crate) const fn at_hit(own: FaceId, contact: Option<Rc<Contact>>, along: DVec3) -> Self {
+    pub(crate) const fn at_hit(own: FaceId, contact: Option<Arc<Contact>>, along: DVec3) -> Self {
         Self {
             own,
             contact,
@@ -431,7 +431,7 @@ impl Departure {
     }
 
     /// Returns the same once it is known whether there are more faces.
-    pub(crate) fn with(&self, contact: Option<Rc<Contact>>) -> Self {
+    pub(crate) fn with(&self, contact: Option<Arc<Contact>>) -> Self {
         Self {
             contact,
             arrival: Cell::new(None),

@@ -1,6 +1,6 @@
 //! The geometries, the background and the lights of a scene.
 
-use std::{mem, rc::Rc};
+use std::{mem, sync::Arc};
 
 use glam::DVec3;
 
@@ -326,7 +326,7 @@ impl World {
             geometry: index,
             face,
         };
-        Departure::at_hit(own, contact.map(Rc::new), ray.direction())
+        Departure::at_hit(own, contact.map(Arc::new), ray.direction())
             .left()
             .into()
     }

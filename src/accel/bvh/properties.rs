@@ -1,6 +1,6 @@
 //! Comparison of the tree with the plain loop, on random worlds and all kinds of awkward rays.
 
-use std::{rc::Rc, sync::Arc};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -256,7 +256,7 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
                 ray = Ray::new(hit.point, rng.vector() * length);
             }
             let t_max = rng.one(&[f64::INFINITY, 1.0, 1.0 - 2e-10]);
-            let start = Departure::at_hit(own, contact.map(Rc::new), arriving);
+            let start = Departure::at_hit(own, contact.map(Arc::new), arriving);
             let nearest = world.nearest(&ray, f64::INFINITY, start.left());
             let bits_of = |(index, Crossing { t, face })| (index, face, t.to_bits());
             let nearest = nearest.map(bits_of);

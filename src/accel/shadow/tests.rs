@@ -1,6 +1,6 @@
 //! Comparison of binned shadows with the plain loop, on random worlds.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -171,7 +171,7 @@ fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Vec<Seen> 
             let at = (geometry, Crossing { t, face });
             // That it lies on no other face of its geometry is found before.
             let is_alone = world.contact(&ray, at, |_, see| see(geometry)).is_none();
-            let contact = world.contact_among_all(&ray, at).map(Rc::new);
+            let contact = world.contact_among_all(&ray, at).map(Arc::new);
             let own = FaceId { geometry, face };
             is_alone.then(|| Departure::at_hit(own, contact, ray.direction()))
         });

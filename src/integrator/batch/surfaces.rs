@@ -27,6 +27,11 @@ impl Cache {
         Self(vec![Known::new(world, NOTHING); count.min(KNOWN)])
     }
 
+    /// Returns true if a geometry sends on light and scatters none.
+    pub(crate) fn is_clear(&mut self, world: &World, index: u32) -> bool {
+        self.of(world, index).kind == SurfaceKind::Clear
+    }
+
     #[inline(always)]
     fn of(&mut self, world: &World, index: u32) -> &Known {
         let place = index as usize & (self.0.len() - 1);
@@ -149,7 +154,7 @@ pub(super) struct Surfaces<S: Simd> {
 }
 
 /// The hits of each [`SurfaceKind`] but constant ones, lane i as bit i.
-#[derive(Clone, Copy, Default, PartialEq)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Kinds {
     /// Also those that are glossy.
     pub(super) matte: u8,
@@ -232,7 +237,7 @@ impl<S: Simd> Surfaces<S> {
         }
     }
 
-    /// Finds the normals of the other hits, and returns the faces of all.
+    /// Finds the normals of the other hits, and returns the faces of all, unless they are known.
     #[inline(always)]
     pub(super) fn find_others(
         &mut self,
@@ -240,6 +245,7 @@ impl<S: Simd> Surfaces<S> {
         world: &World,
         indices: &[u32; LANES],
         (o, d, t): ([S::F64; 3], [S::F64; 3], S::F64),
+        known: Option<[u64; LANES]>,
     ) -> [u64; LANES] {
         let stored = |vector: [S::F64; 3]| {
             let mut lanes = [[0.0; LANES]; 3];
@@ -251,7 +257,8 @@ impl<S: Simd> Surfaces<S> {
         let (mut vector, mut at) = (stored(self.vector), [0.0; LANES]);
         t.store(&mut at);
         let rays = (&stored(o), &stored(d), &at);
-        let faces = find_normals(simd, world, indices, self.others, rays, &mut vector);
+        let hits = (indices, known, self.others);
+        let faces = find_normals(simd, world, hits, rays, &mut vector);
         self.vector = load3(simd, &vector);
         faces
     }
@@ -262,8 +269,7 @@ impl<S: Simd> Surfaces<S> {
 fn find_normals<S: Simd>(
     simd: S,
     world: &World,
-    indices: &[u32; LANES],
-    lanes: u8,
+    (indices, known, lanes): (&[u32; LANES], Option<[u64; LANES]>, u8),
     (o, d, t): (&[[f64; LANES]; 3], &[[f64; LANES]; 3], &[f64; LANES]),
     normals: &mut [[f64; LANES]; 3],
 ) -> [u64; LANES] {
@@ -276,7 +282,7 @@ fn find_normals<S: Simd>(
         let same: [bool; LANES] = std::array::from_fn(is_same);
         let shape = world.geometries()[index as usize].shape();
         let bundle = Bundle::to(*o, *d, t, same);
-        let found = face_of_each(simd, shape, &bundle);
+        let found = known.unwrap_or_else(|| face_of_each(simd, shape, &bundle));
         for lane in (0..LANES).filter(|lane| same[*lane]) {
             let (t, face) = (t[lane], found[lane]);
             let normal = shape.normal_at(&bundle.ray(lane), Crossing { t, face });

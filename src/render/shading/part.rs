@@ -13,14 +13,19 @@ use crate::{
     },
     integrator::{
         Integrate, Integrator,
-        batch::{Encode, SampleRow, ShadeRow},
-        direct::{Path, Queries, Shaded},
+        batch::{Encode, HitRow, SampleRow, ShadeRow},
+        direct::{Queries, Shaded},
+        queue::{Lanes, Seen},
     },
     render::{
         hits::{Hits, Rays},
         outlines::{OutlineMask, WhichNeighbor},
     },
-    tracer::{radiance::Radiance, tone::Tone},
+    tracer::{
+        radiance::Radiance,
+        shape::face::{Crossing, FaceId},
+        tone::Tone,
+    },
 };
 
 /// The rows of a picture whose hits are known.
@@ -248,6 +253,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let Scratch {
             known,
             others,
+            queue,
             samples,
             lines,
             ..
@@ -266,7 +272,12 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             world,
             shadows: self.state.shadows,
             queries: shading.queries,
-            row: row_of(self.hits, self.rays, line, left..left + columns.len()),
+            row: HitRow::Samples(row_of(
+                self.hits,
+                self.rays,
+                line,
+                left..left + columns.len(),
+            )),
             known,
             light: [r, g, b],
             others,
@@ -277,13 +288,28 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             shading.tone,
             self.work.resolver.is_transparent,
         );
-        for (place, shadows) in others.each() {
-            let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
+        let seen = others.each().map(|(place, shadows)| {
+            let ray = self.rays.ray(left + place, line);
             let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
-            let index = world.index_of(id as usize);
-            let crossing = world.geometries()[index].crossing_at(&path.ray, t);
-            samples.set(place, integrator.shade(&path, index, crossing));
-        }
+            let geometry = world.index_of(id as usize);
+            let Crossing { t, face } = world.geometries()[geometry].crossing_at(&ray, t);
+            let id = FaceId { geometry, face };
+            Seen {
+                place,
+                ray,
+                t,
+                id,
+                shadows,
+            }
+        });
+        let lanes = Lanes {
+            isa: shading.isa,
+            shadows: self.state.shadows,
+            known,
+        };
+        integrator.shade(seen, (queue, lanes), |place, shaded| {
+            samples.set(place, shaded)
+        });
         if let Some(mask) = &self.mask {
             // What is cancelled meanwhile is dropped.
             mask.find(row, columns, WhichNeighbor::Any, self.work.cancel, lines);

@@ -7,6 +7,7 @@ use crate::{
     integrator::{
         batch::{Cache, Others},
         direct::Shaded,
+        queue::Queue,
     },
     render::outlines::RowLines,
     tracer::{radiance::Radiance, world::World},
@@ -16,6 +17,7 @@ use crate::{
 pub(super) struct Scratch {
     pub(super) known: Cache,
     pub(super) others: Others,
+    pub(super) queue: Queue,
     /// The light of a row of samples.
     pub(super) samples: RowLight,
     /// The sums of a row of pixels.
@@ -29,6 +31,7 @@ impl Scratch {
         Self {
             known: Cache::new(world),
             others: Others::default(),
+            queue: Queue::default(),
             samples: RowLight::default(),
             sums: Sums::default(),
             lines: RowLines::default(),
