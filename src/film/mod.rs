@@ -2,6 +2,7 @@
 
 pub(crate) mod colors;
 pub(crate) mod crop;
+pub(crate) mod light;
 pub(crate) mod outlines;
 pub(crate) mod parts;
 pub(crate) mod resolve;
@@ -20,11 +21,11 @@ pub use size::SizeError;
 
 use crate::film::{
     colors::{ColorTable, NOTHING},
-    parts::LightParts,
+    light::{LightPlanes, LightRun},
     resolve::Resolved,
     size::Size,
 };
-use crate::tracer::{radiance::Radiance, tone::Tone};
+use crate::tracer::tone::Tone;
 
 /// The data that a film keeps of the ray through the center of each pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,34 +53,12 @@ pub(crate) enum Wanted {
     Parts,
 }
 
-/// The light of a pixel of a lit picture, before exposure.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct LitPixel {
-    /// The mean of all samples; if the background is transparent, that of the samples that hit
-    /// something, without its light.
-    pub(crate) parts: LightParts,
-    /// The mean of the linear first colors of all samples, black where nothing is hit.
-    pub(crate) albedo: Radiance,
-    /// The fraction of the samples that hit something.
-    pub(crate) coverage: f64,
-    /// The part of a transparent background that shows in these samples, in mirrors and through
-    /// glass: the mean of the channels.
-    pub(crate) behind: f64,
-}
-
-impl LitPixel {
-    /// The part of the pixel that hides the background.
-    pub(crate) fn alpha(&self) -> f64 {
-        self.coverage * (1.0 - self.behind)
-    }
-}
-
 /// The pixels of a piece of a lit picture, or of one with outlines.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Lit {
     /// The bytes of their colors, if these are all that is needed.
     Bytes(Vec<[u8; 3]>),
-    Light(Vec<LitPixel>),
+    Light(Box<LightPlanes>),
 }
 
 /// A band of a picture: some of its rows, as pieces from left to right, each rendered by one
@@ -121,7 +100,7 @@ pub(crate) struct Run<'a> {
     /// The t of these hits, if requested.
     pub(crate) t: &'a [f64],
     /// The light of each pixel, unless the picture is flat or only its bytes are known.
-    pub(crate) light: &'a [LitPixel],
+    pub(crate) light: Option<LightRun<'a>>,
     /// The bytes of each pixel, if they are known.
     bytes: &'a [[u8; 3]],
 }
@@ -244,8 +223,8 @@ impl Piece {
         let pixels = row * self.width..(row + 1) * self.width;
         let (bytes, light) = match &self.lit {
             None => Default::default(),
-            Some(Lit::Bytes(bytes)) => (&bytes[pixels.clone()], &[][..]),
-            Some(Lit::Light(light)) => (&[][..], &light[pixels.clone()]),
+            Some(Lit::Bytes(bytes)) => (&bytes[pixels.clone()], None),
+            Some(Lit::Light(light)) => (&[][..], Some(light.run(pixels.clone()))),
         };
         Run {
             piece: self,

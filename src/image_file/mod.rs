@@ -123,7 +123,7 @@ named! {
         Rle = "rle",
         /// Deflate, row by row.
         Zips = "zips",
-        /// Deflate, 16 rows at a time, as with [`Compression::Fast`].
+        /// Deflate, 16 rows at a time.
         Zip = "zip",
     }
 }

@@ -22,12 +22,13 @@ use crate::{
             falloff::{Fading, Falloff},
             source::Source,
         },
-        radiance::{BLOCK, Bytes, Radiance},
+        radiance::{Bytes, Radiance},
         ray::Ray,
         shape::{
             contact::REACH,
             face::{Crossing, FaceId},
         },
+        srgb::{BLOCK, Levels},
         tone::Tone,
         vector,
         world::World,
@@ -123,7 +124,8 @@ struct Hits<S: Simd> {
     rays: ([[S::F64; 3]; 2], S::F64),
     /// The unit vector to the viewer, if it is asked for.
     v: [S::F64; 3],
-    /// The unit normal on the side of the viewer.
+    /// The unit normal, and that on the side of the viewer.
+    normal: [S::F64; 3],
     n: [S::F64; 3],
     surfaces: Surfaces<S>,
 }
@@ -205,6 +207,7 @@ impl HitRow<'_> {
                 true => negate(unit(d)),
                 false => d,
             },
+            normal,
             n: select(is_front, normal, negate(normal)),
             surfaces,
         }
@@ -253,7 +256,7 @@ fn ray_of([origins, directions]: &[[[f64; LANES]; 3]; 2], lane: usize) -> Ray {
 fn load<S: Simd>(simd: S, from: &[f64], start: usize) -> S::F64 {
     match from[start..].first_chunk() {
         Some(lanes) => simd.load(lanes),
-        None => simd.load(&lanes(from, start)),
+        None => simd.load(&last_lanes(from, start)),
     }
 }
 
@@ -267,7 +270,7 @@ fn load_row<S: Simd>(simd: S, [x, y, z]: [&[f64]; 3], start: usize) -> [S::F64; 
     ]
 }
 
-/// Stores at most eight numbers.
+/// Stores eight numbers; those behind the end are left out.
 #[inline(always)]
 fn store<V: F64x8>(lanes: V, to: &mut [f64]) {
     match to.first_chunk_mut() {
@@ -275,9 +278,16 @@ fn store<V: F64x8>(lanes: V, to: &mut [f64]) {
         None => {
             let mut all = [0.0; LANES];
             lanes.store(&mut all);
-            to.copy_from_slice(&all[..to.len()]);
+            store_some(&all, to);
         }
     }
+}
+
+/// Stores fewer than eight numbers. The program is smaller if this is not inlined.
+#[cold]
+#[inline(never)]
+fn store_some(lanes: &[f64; LANES], to: &mut [f64]) {
+    to.copy_from_slice(&lanes[..to.len()]);
 }
 
 /// Returns eight values; those behind the end are the last.
@@ -285,8 +295,16 @@ fn store<V: F64x8>(lanes: V, to: &mut [f64]) {
 fn lanes<T: Copy>(from: &[T], start: usize) -> [T; LANES] {
     match from[start..].first_chunk() {
         Some(lanes) => *lanes,
-        None => std::array::from_fn(|lane| from[(start + lane).min(from.len() - 1)]),
+        None => last_lanes(from, start),
     }
+}
+
+/// Returns the last values, and the last one for all that are behind it. The program is smaller if this is
+/// not inlined.
+#[cold]
+#[inline(never)]
+fn last_lanes<T: Copy>(from: &[T], start: usize) -> [T; LANES] {
+    std::array::from_fn(|lane| from[(start + lane).min(from.len() - 1)])
 }
 
 /// Returns the stored normals: those of spheres as
@@ -498,12 +516,17 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
     }
 }
 
-/// Turns light into bytes.
+/// Turns light into the integers of a file.
 pub(crate) struct Encode<'a> {
     pub(crate) tone: Tone,
     /// Red, green and blue.
     pub(crate) light: [&'a [f64]; 3],
-    pub(crate) bytes: &'a mut [[u8; 3]],
+    /// True for integers of 16 bits, false for bytes.
+    pub(crate) is_wide: bool,
+    /// The number of integers of a pixel: three, or four, the last of which becomes 0.
+    pub(crate) channels: usize,
+    /// The integers of each pixel, in native byte order.
+    pub(crate) bytes: &'a mut [u8],
 }
 
 impl Kernel for Encode<'_> {
@@ -511,21 +534,90 @@ impl Kernel for Encode<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let table = Bytes::table();
+        let (table, levels) = (Bytes::table(), Levels::table());
         let mut light = [[0.0; BLOCK]; 3];
-        let mut bytes = [[0; BLOCK]; 3];
-        for (start, pixels) in (0..).step_by(BLOCK).zip(self.bytes.chunks_mut(BLOCK)) {
-            let count = pixels.len();
+        let (mut bytes, mut numbers) = ([[0; BLOCK]; 3], [[0; BLOCK]; 3]);
+        let size = self.channels << u8::from(self.is_wide);
+        let blocks = self.bytes.chunks_mut(BLOCK * size);
+        for (start, pixels) in (0..).step_by(BLOCK).zip(blocks) {
+            let count = pixels.len() / size;
             for (to, from) in light.iter_mut().zip(self.light) {
                 to[..count].copy_from_slice(&from[start..start + count]);
             }
             self.tone.apply(&mut light);
-            for (light, bytes) in light.iter().zip(&mut bytes) {
-                table.of_channel(light, bytes);
+            if self.is_wide {
+                levels.of_block(&light, &mut numbers);
+                interleave(&numbers, self.channels, u16::to_ne_bytes, pixels);
+            } else {
+                table.of_block(&light, &mut bytes);
+                interleave(&bytes, self.channels, u8::to_ne_bytes, pixels);
             }
-            for (place, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = [bytes[0][place], bytes[1][place], bytes[2][place]];
+        }
+    }
+}
+
+/// Sets the integers of pixels that have three of them or four.
+fn interleave<T: Copy, const BYTES: usize>(
+    [r, g, b]: &[[T; BLOCK]; 3],
+    channels: usize,
+    of: impl Fn(T) -> [u8; BYTES],
+    pixels: &mut [u8],
+) {
+    let integers = pixels.as_chunks_mut().0;
+    let colors = r.iter().zip(g).zip(b);
+    let colors = colors.map(|((r, g), b)| [of(*r), of(*g), of(*b)]);
+    if channels == 3 {
+        let pixels = integers.as_chunks_mut().0.iter_mut();
+        pixels.zip(colors).for_each(|(pixel, color)| *pixel = color);
+    } else {
+        let pixels = integers.as_chunks_mut().0.iter_mut();
+        pixels
+            .zip(colors)
+            .for_each(|(pixel, [r, g, b])| *pixel = [r, g, b, [0; BYTES]]);
+    }
+}
+
+/// The places of eight hits: 0 for none, and an infinite distance.
+#[derive(Clone, Default)]
+pub(crate) struct Places {
+    pub(crate) point: [[f64; LANES]; 3],
+    pub(crate) normal: [[f64; LANES]; 3],
+    /// The distances along the view axis.
+    pub(crate) z: [f64; LANES],
+}
+
+/// Finds the places of the hits of a row.
+pub(crate) struct LocateRow<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) row: SampleRow<'a>,
+    pub(crate) known: &'a mut Cache,
+    /// The places of eight neighbors each; those behind the end of the row become any.
+    pub(crate) places: &'a mut [Places],
+}
+
+impl Kernel for LocateRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let eye = splat3(simd, self.row.camera.eye());
+        let forward = splat3(simd, -self.row.camera.w());
+        for (start, places) in (0..).step_by(LANES).zip(self.places) {
+            let indices = self.row.indices(self.world, start);
+            let surfaces = Surfaces::new(simd, self.world, self.known, &indices);
+            let row = HitRow::Samples(self.row);
+            let hits = row.hits(simd, self.world, (indices, surfaces), (start, false));
+            let missed = infinity.le(hits.rays.1);
+            let numbers = [hits.point, hits.normal].map(|of| select(missed, [zero; 3], of));
+            let to = [&mut places.point, &mut places.normal];
+            for (to, numbers) in to.into_iter().zip(numbers) {
+                for (to, number) in to.iter_mut().zip(numbers) {
+                    number.store(to);
+                }
             }
+            let z = dot(sub(hits.point, eye), forward);
+            S::F64::select(missed, infinity, z).store(&mut places.z);
         }
     }
 }

@@ -5,12 +5,16 @@ use std::{
     collections::HashSet,
     io, iter,
     path::{Path, PathBuf},
+    sync::Mutex,
 };
 
 use crate::{
     accel::raster::first_hits::Work,
     diagnostic::error::Error,
-    film::{Centers, Film, Image, Wanted, colors::ColorTable, crop::Crop, resolve::Resolver},
+    film::{
+        Centers, Film, Image, Wanted, colors::ColorTable, crop::Crop, resolve::Resolver,
+        samples::Samples,
+    },
     image_file::{
         self, Form, ImageFormat, Palette, cryptomatte,
         format::cannot_hold,
@@ -24,6 +28,7 @@ use crate::{
     },
     pipeline::{Scene, options::RenderOptions},
     render::{
+        hits::Rays,
         layers::{
             Layer,
             layout::{Layout, MATTE, Settings},
@@ -227,14 +232,19 @@ impl Scene {
         let mattes: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
         let metadata = self.metadata(&layout, options, &names)?;
         let camera = self.camera_of(options)?;
+        let size = options.size.unwrap_or(self.size);
+        let pixels = [&crop.columns(), &crop.rows()];
         let painter = Painter {
-            camera: &camera,
             world: &self.world,
-            size: options.size.unwrap_or(self.size),
+            rays: layout
+                .has_places()
+                .then(|| Rays::new(&camera, size, Samples::ONE, pixels)),
             tone: self.world.tone(self.tone),
             background: (!options.settings.is_transparent).then(|| self.world.background()),
             layout: &layout,
             mattes: &mattes,
+            isa: options.isa,
+            known: Mutex::default(),
         };
         let aovs = Aovs {
             is_transparent: options.settings.is_transparent,
@@ -250,20 +260,21 @@ impl Scene {
         let is_shaded = self.tracer(&camera, options).is_shaded(aovs.wanted);
         let pool = Pool::new(options.threads);
         let mut bytes = Vec::new();
-        let mut top = crop.rows().start;
+        let mut top = 0;
         let mut draw = |sink: image_file::output::Sink| {
             self.draw(options, watch, aovs, |film| {
                 bytes.clear();
+                let start = top;
+                top += film.height();
                 match &palette {
                     Some(palette) => film.append(&palette.places, &mut bytes),
                     None if is_plain && is_shaded => film.append_lit(&mut bytes),
                     None if is_plain => film.append(&table, &mut bytes),
                     None => {
-                        let rows = painter.rows(&film, crop.columns().start, top, &pool);
-                        rows.iter().for_each(|row| bytes.extend_from_slice(row));
+                        let rows = painter.rows(&film, start, &pool);
+                        return rows.iter().try_for_each(|row| sink(row));
                     }
                 }
-                top += film.height() as u32;
                 sink(&bytes)
             })
         };

@@ -91,7 +91,12 @@ impl PixelSource<'_> {
             ids: Vec::new(),
             t: Vec::new(),
         };
-        let rays = Rays::new(self.camera, self.size, self.samples, &hits);
+        let rays = Rays::new(
+            self.camera,
+            self.size,
+            self.samples,
+            [&hits.columns, &hits.rows],
+        );
         for row in 0..hits.rows.len() {
             for column in 0..hits.columns.len() {
                 let hit = self.world.hit(&rays.ray(column, row));

@@ -89,7 +89,7 @@ impl Hits {
 }
 
 /// The rays of a rectangle of samples, as columns and rows that add up to them.
-pub(super) struct Rays<'a> {
+pub(crate) struct Rays<'a> {
     pub(super) camera: &'a Camera,
     /// The parts that columns share, by axis.
     pub(super) columns: [Vec<f64>; 3],
@@ -98,25 +98,30 @@ pub(super) struct Rays<'a> {
 }
 
 impl<'a> Rays<'a> {
-    /// Creates the rays of the samples of a rectangle, of a picture of this size.
-    pub(super) fn new(camera: &'a Camera, size: Size, samples: Samples, hits: &Hits) -> Self {
+    /// Creates the rays of the samples in these columns and rows of samples, of a picture of this size.
+    pub(crate) fn new(
+        camera: &'a Camera,
+        size: Size,
+        samples: Samples,
+        [columns, rows]: [&Range<u32>; 2],
+    ) -> Self {
         let (width, height) = (size.width(), size.height());
         let side = samples.side();
         let pixels = |range: &Range<u32>| range.start / side..range.end / side;
-        let mut columns = [const { Vec::new() }; 3];
-        for x in pixels(&hits.columns).flat_map(|column| samples.offsets(column.into())) {
-            let shared = camera.column(width, height, x);
-            for (axis, column) in columns.iter_mut().zip(shared.to_array()) {
+        let mut shared = [const { Vec::new() }; 3];
+        for x in pixels(columns).flat_map(|column| samples.offsets(column.into())) {
+            let column = camera.column(width, height, x);
+            for (axis, column) in shared.iter_mut().zip(column.to_array()) {
                 axis.push(column);
             }
         }
-        let rows = pixels(&hits.rows).flat_map(|row| {
+        let rows = pixels(rows).flat_map(|row| {
             let offsets: Vec<_> = samples.offsets(f64::from(height - 1 - row)).collect();
             offsets.into_iter().rev()
         });
         Self {
             camera,
-            columns,
+            columns: shared,
             rows: rows.map(|y| camera.row(height, y)).collect(),
         }
     }

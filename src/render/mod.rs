@@ -1,7 +1,7 @@
 //! Rendering: the view of a camera into a world, and the layers of a picture.
 
 pub(crate) mod explained;
-mod hits;
+pub(crate) mod hits;
 pub(crate) mod layers;
 mod legend;
 mod outlines;

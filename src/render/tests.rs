@@ -7,7 +7,8 @@ use glam::DVec3;
 use crate::{
     accel::{kept::Kept, raster::first_hits::Work},
     film::{
-        Centers, LitPixel, Outlines, Samples, Wanted, crop::Crop, resolve::Resolver, size::Size,
+        Centers, Film, Outlines, Samples, Wanted, crop::Crop, light::LightRun, parts::LightParts,
+        resolve::Resolver, size::Size,
     },
     integrator::{Integrate, Integrator, direct::Shaded},
     parallel::{
@@ -37,6 +38,31 @@ use crate::{
         world::{Lighting, World},
     },
 };
+
+/// The light of a pixel, as in [`LightPlanes`](crate::film::light::LightPlanes).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LitPixel {
+    pub(super) parts: LightParts,
+    pub(super) albedo: Radiance,
+    pub(super) coverage: f64,
+    pub(super) behind: f64,
+}
+
+impl LitPixel {
+    /// Returns the pixels of a run.
+    fn of_run(light: LightRun) -> impl Iterator<Item = Self> {
+        (0..light.coverage.len()).map(move |place| {
+            let number = |plane: &[f64]| plane.get(place).copied().unwrap_or_default();
+            let color = |[r, g, b]: [&[f64]; 3]| Radiance::new(number(r), number(g), number(b));
+            Self {
+                parts: LightParts::new(light.parts.map(color)),
+                albedo: color(light.albedo),
+                coverage: number(light.coverage),
+                behind: number(light.behind),
+            }
+        })
+    }
+}
 
 fn color(random: &mut Rng) -> Color {
     let mut channel = || random.one(&[0.0, 0.2, 0.5, 128.0 / 255.0, 0.9, 1.0]);
@@ -167,16 +193,16 @@ fn camera(random: &mut Rng, middle: DVec3, size: f64) -> Camera {
 
 /// A picture of a random scene.
 #[derive(Clone)]
-struct Case {
-    camera: Camera,
-    world: World,
+pub(super) struct Case {
+    pub(super) camera: Camera,
+    pub(super) world: World,
     /// The same world, which is drawn.
-    drawn: World,
-    size: Size,
+    pub(super) drawn: World,
+    pub(super) size: Size,
     samples: Samples,
     outlines: Option<Outlines>,
-    tone: Tone,
-    is_transparent: bool,
+    pub(super) tone: Tone,
+    pub(super) is_transparent: bool,
 }
 
 /// Returns a world in which half of the geometries touch others, and points that lie on several.
@@ -250,7 +276,7 @@ impl Case {
         }
     }
 
-    fn new(random: &mut Rng) -> Self {
+    pub(super) fn new(random: &mut Rng) -> Self {
         let size = random.one(&[1e-6, 1e-3, 1.0, 1.0, 1.0, 50.0, 1e6, 1e8]);
         let middle = random.vector() * size * random.one(&[0.0, 1.0, 100.0]);
         let outlines = Outlines {
@@ -276,6 +302,23 @@ impl Case {
 
     /// Returns the light of a part of the picture.
     fn drawn(&self, crop: Crop, isa: Isa, pool: &Pool, kept: Option<&Kept>) -> Vec<LitPixel> {
+        let mut light = Vec::new();
+        self.draw((crop, Centers::Unneeded), isa, (pool, kept), |film| {
+            for run in film.runs() {
+                light.extend(run.light.into_iter().flat_map(LitPixel::of_run));
+            }
+        });
+        light
+    }
+
+    /// Passes on the bands of a part of the picture, with the light of each pixel.
+    pub(super) fn draw(
+        &self,
+        (crop, centers): (Crop, Centers),
+        isa: Isa,
+        (pool, kept): (&Pool, Option<&Kept>),
+        mut take: impl FnMut(Film),
+    ) {
         let (cancel, timings) = (Cancel::new(), Timings::new());
         let work = Work {
             pool,
@@ -287,22 +330,19 @@ impl Case {
                 is_transparent: self.is_transparent,
                 ..Resolver::new(&self.drawn)
             },
-            centers: Centers::Unneeded,
+            centers,
             wanted: Wanted::Parts,
         };
-        let mut light = Vec::new();
         let tracer = RayTracer::with_size(&self.camera, &self.drawn, self.size)
             .samples(self.samples)
             .outlines(self.outlines)
             .tone(self.tone)
             .isa(isa);
-        let take = |film: crate::film::Film| {
-            film.runs()
-                .for_each(|run| light.extend_from_slice(run.light));
+        let take = |film| {
+            take(film);
             Ok(())
         };
         tracer.draw_bands(crop, work, take).unwrap();
-        light
     }
 
     /// Returns the ray of a sample, counted from the bottom left of the picture.
@@ -391,7 +431,7 @@ impl Case {
     }
 
     /// Returns the light of a pixel, counted from the top left, by the plain definition.
-    fn plain(&self, column: u32, row: u32) -> LitPixel {
+    pub(super) fn plain(&self, column: u32, row: u32) -> LitPixel {
         let side = self.samples.side();
         let (left, bottom) = (column * side, (self.size.height() - 1 - row) * side);
         let mut sum = LitPixel::default();
@@ -593,7 +633,7 @@ fn a_transparent_picture_in_front_of_its_background_is_the_opaque_one() {
         for (opaque, pixel) in opaque.iter().zip(&transparent) {
             let light = |pixel: &LitPixel| pixel.parts.sum().mean();
             let front = light(pixel) * pixel.coverage;
-            let all = front + (1.0 - pixel.alpha()) * background;
+            let all = front + (1.0 - pixel.coverage * (1.0 - pixel.behind)) * background;
             assert!(
                 (all - light(opaque)).abs() <= 1e-9 * light(opaque).max(1.0),
                 "seed {seed}: {all} is not {opaque:?}, {pixel:?}"

@@ -6,7 +6,7 @@ use std::{
     sync::OnceLock,
 };
 
-use crate::tracer::srgb::{quantize, to_display, to_linear};
+use crate::tracer::srgb::{BLOCK, of_neighbors, quantize, to_display, to_linear};
 
 /// Linear light: red, green and blue, proportional to an amount of light.
 ///
@@ -147,8 +147,8 @@ impl Bytes {
 
     /// Returns the table.
     pub(crate) fn table() -> &'static Self {
-        static BYTES: OnceLock<Bytes> = OnceLock::new();
-        BYTES.get_or_init(Self::new)
+        static BYTES: OnceLock<Box<Bytes>> = OnceLock::new();
+        BYTES.get_or_init(|| Box::new(Self::new()))
     }
 
     /// Returns the bytes of `Color::from_linear`, but faster: without a power per channel.
@@ -158,14 +158,15 @@ impl Bytes {
         [self.byte_of(r), self.byte_of(g), self.byte_of(b)]
     }
 
-    /// Sets the bytes of many channels.
+    /// Sets the bytes of a block, by channel.
     #[inline(always)]
-    pub(crate) fn of_channel(&self, light: &[f64; BLOCK], bytes: &mut [u8; BLOCK]) {
-        let mut cells = [0; BLOCK];
+    pub(crate) fn of_block(&self, light: &[[f64; BLOCK]; 3], bytes: &mut [[u8; BLOCK]; 3]) {
+        let (light, bytes) = (light.as_flattened(), bytes.as_flattened_mut());
+        let mut cells = [0; 3 * BLOCK];
         for (cell, light) in cells.iter_mut().zip(light) {
             *cell = cell_of(inside(*light));
         }
-        let mut found = [0; BLOCK];
+        let mut found = [0; 3 * BLOCK];
         for (found, cell) in found.iter_mut().zip(cells) {
             *found = self.cells[cell as usize % CELLS];
         }
@@ -176,9 +177,7 @@ impl Bytes {
             is_unclear |= u8::from(unclear);
         }
         if is_unclear != 0 {
-            for (byte, light) in bytes.iter_mut().zip(light) {
-                *byte = self.byte_of(*light);
-            }
+            of_neighbors(light, bytes, |light| self.byte_of(light));
         }
     }
 
@@ -193,9 +192,6 @@ impl Bytes {
         }
     }
 }
-
-/// The number of channels whose bytes are found at once.
-pub(crate) const BLOCK: usize = 64;
 
 /// Returns light within the cells; NaN becomes the least.
 #[inline(always)]

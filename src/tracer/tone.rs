@@ -52,6 +52,11 @@ impl Tone {
         self.mapping
     }
 
+    /// `2^exposure`, by which light is multiplied before tone mapping.
+    pub(crate) const fn factor(self) -> f64 {
+        self.factor
+    }
+
     /// Returns light after exposure, before tone mapping: `L · 2^exposure`.
     #[inline]
     pub fn expose(self, light: Radiance) -> Radiance {

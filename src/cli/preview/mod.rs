@@ -13,6 +13,7 @@ mod pictures;
 mod places;
 mod references;
 mod refusal;
+mod requests;
 mod routes;
 mod texts;
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use axum::{
     Json,
     body::Bytes,
-    extract::{Query, State},
-    http::{StatusCode, header},
+    extract::{FromRequestParts, State},
+    http::{StatusCode, header, request::Parts},
     response::{IntoResponse, Response},
 };
 use serde::Deserialize;
@@ -86,6 +86,15 @@ impl Asked {
     }
 }
 
+impl<S: Sync> FromRequestParts<S> for Asked {
+    type Rejection = Refusal;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Refusal> {
+        let query = parts.uri.query().unwrap_or_default();
+        serde_urlencoded::from_str(query).map_err(refuse::unreadable)
+    }
+}
+
 /// Reads the five numbers of a movement.
 fn motion(text: &str) -> Result<Motion, Refusal> {
     let numbers = text.split(',').map(|number| number.trim().parse::<f64>());
@@ -128,7 +137,7 @@ pub(super) async fn draw(
 
 pub(super) async fn picture(
     State(App { desk, drawings, .. }): State<App>,
-    Query(asked): Query<Asked>,
+    asked: Asked,
 ) -> Result<Response, Refusal> {
     draw(&desk, &drawings, &asked).await.map(png)
 }
@@ -136,7 +145,7 @@ pub(super) async fn picture(
 /// Returns the picture for a screen with more pixels than it has; nothing if there is none.
 pub(super) async fn magnified(
     State(App { desk, drawings, .. }): State<App>,
-    Query(asked): Query<Asked>,
+    asked: Asked,
 ) -> Result<Response, Refusal> {
     let (scene, view, factor) = (asked.scene(&desk)?, asked.view()?, asked.factor);
     let key = format!("{} {view:?} times {factor}", asked.revision);
@@ -152,7 +161,7 @@ const GEOMETRY: &str = "x-strahl-geometry";
 
 pub(super) async fn outline(
     State(App { desk, drawings, .. }): State<App>,
-    Query(asked): Query<Asked>,
+    asked: Asked,
 ) -> Result<Response, Refusal> {
     let (scene, view) = (asked.scene(&desk)?, asked.view()?);
     let place = PagePlace::at(asked.line, asked.column);
@@ -180,10 +189,7 @@ pub(super) async fn outline(
     })
 }
 
-pub(super) async fn pixel(
-    State(App { desk, .. }): State<App>,
-    Query(asked): Query<Asked>,
-) -> Answer {
+pub(super) async fn pixel(State(App { desk, .. }): State<App>, asked: Asked) -> Answer {
     apart_until_dropped(move |cancel| {
         let (x, y) = (asked.x, asked.y);
         let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
@@ -233,7 +239,7 @@ pub(super) async fn pixel(
 
 pub(super) async fn why(
     State(App { desk, .. }): State<App>,
-    Query(asked): Query<Asked>,
+    asked: Asked,
 ) -> Result<String, Refusal> {
     apart_until_dropped(move |cancel| {
         let scene = asked.view()?.of(&*asked.scene(&desk)?)?;

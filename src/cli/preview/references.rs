@@ -8,7 +8,7 @@ use std::{
 use axum::{
     Json,
     body::Bytes,
-    extract::{Path, Query, State},
+    extract::{Path, State},
     http::header,
     response::{IntoResponse, Response},
 };
@@ -101,10 +101,7 @@ pub(super) async fn show(
     .await
 }
 
-pub(super) async fn difference(
-    State(app): State<App>,
-    Query(asked): Query<Asked>,
-) -> Result<Response, Refusal> {
+pub(super) async fn difference(State(app): State<App>, asked: Asked) -> Result<Response, Refusal> {
     let reference = app.references.get(&asked.reference)?;
     let drawn = draw(&app.desk, &app.drawings, &asked).await?;
     apart(move || {

@@ -42,6 +42,8 @@ impl From<strahl::Error> for Refusal {
 
 /// The kinds of refusals.
 pub(super) mod refuse {
+    use std::fmt::Display;
+
     use axum::http::StatusCode;
 
     use super::Refusal;
@@ -79,6 +81,11 @@ pub(super) mod refuse {
     /// The scene does not allow it.
     pub(in crate::cli::preview) fn impossible(message: impl Into<String>) -> Refusal {
         with(StatusCode::UNPROCESSABLE_ENTITY, message)
+    }
+
+    /// Nobody asks for that.
+    pub(in crate::cli::preview) fn unreadable(error: impl Display) -> Refusal {
+        with(StatusCode::BAD_REQUEST, error.to_string())
     }
 
     /// The disk does not allow it.

@@ -1,27 +1,28 @@
 //! The addresses of the page.
 
-use std::{convert::Infallible, pin::Pin, sync::Arc, time::Duration};
+use std::{convert::Infallible, sync::Arc, time::Duration};
 
 use axum::{
-    Json, Router,
-    extract::{DefaultBodyLimit, Query, State},
+    Router,
+    extract::{DefaultBodyLimit, State},
     http::Uri,
     middleware,
     response::sse::{Event, KeepAlive, Sse},
-    routing::{get, post},
+    routing::{MethodFilter, get, post},
 };
 use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
 
 use super::{
     app::App,
-    desk::Desk,
     guard, page, parts, pictures, references,
-    refusal::{Refusal, apart},
+    requests::{posted, queried},
     texts,
 };
 
 /// The largest request: a picture to compare with, or a long text.
 const LARGEST: usize = 1 << 30;
+const GET: MethodFilter = MethodFilter::GET;
+const POST: MethodFilter = MethodFilter::POST;
 /// The time between signs of life.
 const ALIVE: Duration = Duration::from_secs(15);
 
@@ -31,18 +32,18 @@ impl App {
         Router::new()
             .route("/", get(page::page))
             .route("/events", get(events))
-            .route("/text", get(queried(texts::text)))
-            .route("/edits", post(posted(texts::edit)))
-            .route("/save", post(posted(texts::save)))
-            .route("/reload", post(queried(texts::reload)))
-            .route("/disk", get(queried(texts::disk)))
-            .route("/format", post(posted(texts::format)))
-            .route("/completions", get(queried(texts::completions)))
-            .route("/hover", get(queried(texts::hover)))
-            .route("/colors", get(queried(texts::colors)))
-            .route("/parts", get(queried(parts::list)))
-            .route("/parts", post(posted(parts::change)))
-            .route("/move", post(posted(pictures::shift)))
+            .route("/text", queried(GET, texts::text))
+            .route("/edits", posted(texts::edit))
+            .route("/save", posted(texts::save))
+            .route("/reload", queried(POST, texts::reload))
+            .route("/disk", queried(GET, texts::disk))
+            .route("/format", posted(texts::format))
+            .route("/completions", queried(GET, texts::completions))
+            .route("/hover", queried(GET, texts::hover))
+            .route("/colors", queried(GET, texts::colors))
+            .route("/parts", queried(GET, parts::list))
+            .route("/parts", posted(parts::change))
+            .route("/move", posted(pictures::shift))
             .route("/picture", get(pictures::picture))
             .route("/magnified", get(pictures::magnified))
             .route("/pixel", get(pictures::pixel))
@@ -56,23 +57,6 @@ impl App {
             .layer(DefaultBodyLimit::max(LARGEST))
             .layer(middleware::from_fn_with_state(guard, guard::watch))
     }
-}
-
-/// An answer to come.
-type Pending<A> = Pin<Box<dyn Future<Output = Result<A, Refusal>> + Send>>;
-
-/// Returns the handler of requests that are answered by their query.
-fn queried<Q: Send + 'static, A: Send + 'static>(
-    answer: fn(&Desk, Q) -> Result<A, Refusal>,
-) -> impl Fn(State<App>, Query<Q>) -> Pending<A> + Clone {
-    move |State(App { desk, .. }), Query(asked)| Box::pin(apart(move || answer(&desk, asked)))
-}
-
-/// Returns the handler of requests that are answered by the JSON of their body.
-fn posted<Q: Send + 'static, A: Send + 'static>(
-    answer: fn(&Desk, Q) -> Result<A, Refusal>,
-) -> impl Fn(State<App>, Json<Q>) -> Pending<A> + Clone {
-    move |State(App { desk, .. }), Json(asked)| Box::pin(apart(move || answer(&desk, asked)))
 }
 
 /// Answers with the state, now and after each change. Who reads slowly gets only the last one.

@@ -4,6 +4,7 @@
 //! writes the attributes in a different order each time, so it is only used for testing.
 
 mod blocks;
+mod deflate;
 mod header;
 
 use std::io::SeekFrom;
@@ -70,8 +71,9 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
         let mut places = Vec::with_capacity(count);
         let mut place = (header.len() + 8 * count) as u64;
         file.seek(SeekFrom::Start(place)).map_err(Error::writing)?;
+        let mut memory = Vec::new();
         let mut write = |block: &[u8]| {
-            let data = blocks::compressed(block, method, encoding.compression);
+            let data = blocks::compressed(block, method, encoding.compression, &mut memory);
             let line = (places.len() * lines) as i32;
             places.push(place);
             place += 8 + data.len() as u64;

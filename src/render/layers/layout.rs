@@ -113,14 +113,19 @@ impl Layout {
 
     /// Returns the data of center rays that the layers need.
     pub(crate) fn centers(&self) -> Centers {
-        use Quantity::{Depth, Id, Normal, Position, Z};
-        if self.needs(|quantity| matches!(quantity, Depth | Z | Position(_) | Normal(_))) {
+        if self.has_places() || self.needs(|quantity| quantity == Quantity::Depth) {
             Centers::Hits
-        } else if self.needs(|quantity| quantity == Id) {
+        } else if self.needs(|quantity| quantity == Quantity::Id) {
             Centers::Ids
         } else {
             Centers::Unneeded
         }
+    }
+
+    /// Returns true if the file has more of the hits of center rays than their ids and t.
+    pub(crate) fn has_places(&self) -> bool {
+        use Quantity::{Normal, Position, Z};
+        self.needs(|quantity| matches!(quantity, Z | Position(_) | Normal(_)))
     }
 
     /// Returns true if the file has parts of the light.

@@ -3,6 +3,8 @@
 pub(crate) mod layout;
 mod number;
 pub(crate) mod rows;
+#[cfg(test)]
+mod tests;
 
 use crate::{diagnostic::named::named, film::parts::LightParts, render::layers::number::Light};
 

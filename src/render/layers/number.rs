@@ -2,11 +2,7 @@
 
 use half::f16;
 
-use crate::{
-    film::{colors::NOTHING, parts::LightParts},
-    image_file::pixel::Sample,
-    tracer::{color::Color, hit::Hit, radiance::Radiance, srgb::quantize, tone::Tone},
-};
+use crate::{image_file::pixel::Sample, tracer::srgb::quantize};
 
 /// The quantity of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +33,7 @@ pub(super) enum Quantity {
 pub(super) enum Light {
     /// All that the pixel shows.
     All,
-    /// A part of that, by its place among [`LightParts::NAMES`].
+    /// A part of that, by its place among [`LightParts::NAMES`](crate::film::parts::LightParts::NAMES).
     Part(usize),
     /// The first color of the material.
     Albedo,
@@ -66,93 +62,49 @@ pub(super) struct Number {
     pub(super) range: Range,
 }
 
-/// All data of a pixel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spot<'a> {
-    pub(super) color: Color,
-    pub(super) light: Radiance,
-    /// The parts of the light, if they are requested.
-    pub(super) parts: Parts,
-    pub(super) alpha: f64,
-    pub(super) coverage: f64,
-    /// The geometry that the center ray hits.
-    pub(super) id: u32,
-    /// The t of this hit; infinite for none.
-    pub(super) t: f64,
-    /// The hit, and its distance along the view axis.
-    pub(super) hit: Option<(Hit<'a>, f64)>,
-    /// The Cryptomatte numbers of geometries and their coverage, largest first.
-    pub(super) mattes: [(f32, f64); MATTES],
-}
-
-/// The parts of a pixel's light.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Parts {
-    pub(super) light: LightParts,
-    pub(super) albedo: Radiance,
-    pub(super) tone: Tone,
-}
-
 /// The number of geometries per pixel in Cryptomatte layers.
 pub(super) const MATTES: usize = 6;
 
-impl Spot<'_> {
-    fn quantity(&self, quantity: Quantity) -> f64 {
-        let hit = self.hit.as_ref();
-        match quantity {
-            Quantity::Display(light, channel) => {
-                let color = match light {
-                    Light::All => self.color,
-                    Light::Part(part) => self.parts.tone.color(self.parts.light.all()[part]),
-                    Light::Albedo => Color::from_linear(self.parts.albedo),
-                };
-                [color.r(), color.g(), color.b()][channel]
-            }
-            Quantity::Light(light, channel) => {
-                let light = match light {
-                    Light::All if self.alpha == 0.0 => Radiance::BLACK,
-                    Light::All => self.light / self.alpha,
-                    Light::Part(part) => self.parts.tone.expose(self.parts.light.all()[part]),
-                    Light::Albedo => self.parts.albedo,
-                };
-                light.channels[channel]
-            }
-            Quantity::Premultiplied(channel) => self.light.channels[channel],
-            Quantity::Alpha => self.alpha,
-            Quantity::Coverage => self.coverage,
-            Quantity::Depth => self.t,
-            Quantity::Z => hit.map_or(f64::INFINITY, |(_, z)| *z),
-            Quantity::Position(axis) => hit.map_or(0.0, |(hit, _)| hit.point[axis]),
-            Quantity::Normal(axis) => hit.map_or(0.0, |(hit, _)| hit.normal[axis]),
-            Quantity::Id => self.id.into(),
-            Quantity::Matte(rank) => self.mattes[rank].0.into(),
-            Quantity::MatteCoverage(rank) => self.mattes[rank].1,
-        }
-    }
-}
-
 impl Number {
-    /// Writes this number of a pixel, in native byte order.
-    pub(super) fn write(&self, spot: &Spot, out: &mut Vec<u8>) {
-        let value = spot.quantity(self.quantity);
-        let integer = |most: u32| -> u32 {
-            let part = match self.range {
+    /// Writes this number of pixels into the first of `size` bytes each, in native byte order.
+    pub(super) fn write(&self, values: &[f64], bytes: &mut [u8], size: usize) {
+        let range = self.range;
+        let integer = |value: f64, most: u32| -> u32 {
+            let part = match range {
                 Range::Unit => value,
                 Range::Signed => (value + 1.0) / 2.0,
                 Range::Depth(near, far) => (value - near) / (far - near),
                 Range::Same => return value as u32,
-                Range::FromOne if spot.id == NOTHING => return 0,
-                Range::FromOne => return spot.id + 1,
+                Range::FromOne => return (value as u32).wrapping_add(1),
             };
             quantize(part, most)
         };
+        let byte = |value| integer(value, u8::MAX.into()) as u8;
+        let short = |value| integer(value, u16::MAX.into()) as u16;
+        let long = |value| integer(value, u32::MAX);
         match self.sample {
-            Sample::U8 => out.push(integer(u8::MAX.into()) as u8),
-            Sample::U16 => out.extend((integer(u16::MAX.into()) as u16).to_ne_bytes()),
-            Sample::U32 => out.extend(integer(u32::MAX).to_ne_bytes()),
-            Sample::F16 => out.extend(f16::from_f64(value).to_ne_bytes()),
-            Sample::F32 => out.extend((value as f32).to_ne_bytes()),
-            Sample::F64 => out.extend(value.to_ne_bytes()),
+            Sample::U8 => put(values, bytes, size, |value| [byte(value)]),
+            Sample::U16 => put(values, bytes, size, |value| short(value).to_ne_bytes()),
+            Sample::U32 => put(values, bytes, size, |value| long(value).to_ne_bytes()),
+            Sample::F16 => put(values, bytes, size, |value| {
+                f16::from_f64(value).to_ne_bytes()
+            }),
+            Sample::F32 => put(values, bytes, size, |value| (value as f32).to_ne_bytes()),
+            Sample::F64 => put(values, bytes, size, f64::to_ne_bytes),
         }
+    }
+}
+
+/// Writes values into the first of `size` bytes each.
+fn put<const N: usize>(values: &[f64], bytes: &mut [u8], size: usize, of: impl Fn(f64) -> [u8; N]) {
+    if size == N {
+        // Planes, which the compiler takes many at a time.
+        for (to, value) in bytes.as_chunks_mut().0.iter_mut().zip(values) {
+            *to = of(*value);
+        }
+        return;
+    }
+    for (to, value) in bytes.chunks_mut(size).zip(values) {
+        to[..N].copy_from_slice(&of(*value));
     }
 }

@@ -180,7 +180,12 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
                 Hits::new(&search, None, all, work, memory())
             })
             .transpose()?;
-        let rays = Rays::new(self.camera, self.size, self.samples, &hits);
+        let rays = Rays::new(
+            self.camera,
+            self.size,
+            self.samples,
+            [&hits.columns, &hits.rows],
+        );
         let mask = self.outlines.map(|outlines| {
             work.watch
                 .time(|| OutlineMask::new(outlines, self.world, &hits, &rays, self.samples.side()))

@@ -4,13 +4,11 @@ use std::{mem, ops::Range, sync::PoisonError};
 
 use super::{
     Shading, State,
-    sums::{Scratch, Sums},
+    sums::{RowLight, Scratch, Sums},
 };
 use crate::{
     accel::raster::first_hits::Work,
-    film::{
-        Centers, Lit, LitPixel, Piece, Wanted, colors::NOTHING, parts::LightParts, samples::Samples,
-    },
+    film::{Centers, Lit, Piece, Wanted, colors::NOTHING, light::LightPlanes, samples::Samples},
     integrator::{
         Integrate, Integrator,
         batch::{Encode, HitRow, SampleRow, ShadeRow},
@@ -22,6 +20,7 @@ use crate::{
         outlines::{OutlineMask, WhichNeighbor},
     },
     tracer::{
+        geometry::Geometry,
         radiance::Radiance,
         shape::face::{Crossing, FaceId},
         tone::Tone,
@@ -46,7 +45,8 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     pub(super) fn piece(&self, rows: Range<u32>) -> Piece {
         let geometries = self.shading.world.ids();
         let mut piece = Piece::new(self.columns.len() as u32, rows.len() as u32, geometries);
-        if self.work.resolver.ranks {
+        // With one sample, the hit of the center is all that a pixel sees.
+        if self.work.resolver.ranks && self.shading.samples != Samples::ONE {
             self.rank(&rows, &mut piece);
         }
         piece.light(self.light(rows.clone()));
@@ -72,10 +72,9 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         };
         let known = all().pop();
         let mut scratch = known.unwrap_or_else(|| Scratch::new(self.shading.world));
-        let count = rows.len() * self.columns.len();
         let lit = match self.work.wanted {
             Wanted::Bytes(tone) => {
-                let mut bytes = vec![[0; 3]; count];
+                let mut bytes = vec![[0; 3]; rows.len() * self.columns.len()];
                 for (row, bytes) in rows.zip(bytes.chunks_mut(self.columns.len())) {
                     self.add_up(row, &mut scratch);
                     self.bytes(&mut scratch.sums, tone, bytes);
@@ -83,12 +82,12 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
                 Lit::Bytes(bytes)
             }
             Wanted::Hits | Wanted::Light | Wanted::Parts => {
-                let mut light = Vec::with_capacity(count);
+                let mut light = LightPlanes::default();
                 for row in rows {
                     self.add_up(row, &mut scratch);
-                    light.extend((0..self.columns.len()).map(|at| self.pixel(&scratch.sums, at)));
+                    self.append(&scratch.sums, &mut light);
                 }
-                Lit::Light(light)
+                Lit::Light(light.into())
             }
         };
         all().push(scratch);
@@ -115,59 +114,56 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         piece.resolve(self.work.resolver.resolve(&seen, count));
     }
 
-    /// Returns a pixel from the sums of its samples.
-    fn pixel(&self, sums: &Sums, place: usize) -> LitPixel {
+    /// Appends the means of the samples of a row of pixels, of those that show something.
+    fn append(&self, sums: &Sums, to: &mut LightPlanes) {
+        let row = to.coverage.len()..to.coverage.len() + sums.hits.len();
         let count = f64::from(self.shading.samples.count());
-        let hits = f64::from(sums.hits[place]);
-        LitPixel {
-            parts: self.mean(sums, place),
-            albedo: sums
-                .albedo
-                .get(place)
-                .map_or(Radiance::BLACK, |sum| *sum / count),
-            coverage: hits / count,
-            behind: self.behind(sums, place),
+        let (mut all, mut hits) = (Vec::new(), Vec::new());
+        if self.shading.samples != Samples::ONE {
+            all.resize(row.len(), count);
+            // A sum of no samples is 0.
+            hits.extend(sums.hits.iter().map(|hits| f64::from((*hits).max(1))));
         }
-    }
-
-    /// Returns the part of a transparent background that shows in the hits of a pixel.
-    fn behind(&self, sums: &Sums, place: usize) -> f64 {
-        match sums.behind[place] {
-            0.0 => 0.0,
-            sum => (sum / f64::from(sums.hits[place])).min(1.0),
-        }
-    }
-
-    /// Returns the mean of the samples of a pixel that show something.
-    fn mean(&self, sums: &Sums, place: usize) -> LightParts {
         let shown = match self.work.resolver.is_transparent {
-            true => sums.hits[place],
-            false => self.shading.samples.count(),
+            true => &hits,
+            false => &all,
         };
-        let sum = sums.light.parts(place);
-        match shown > 1 {
-            true => sum.map(|sum| sum / f64::from(shown)),
-            false => sum,
+        let parts = to.parts.as_flattened_mut().iter_mut();
+        for (to, sums) in parts.zip(sums.light.parts.as_flattened()) {
+            append(to, &row, sums, shown);
         }
+        for (to, sums) in to.albedo.iter_mut().zip(&sums.albedo) {
+            append(to, &row, sums, &all);
+        }
+        append(&mut to.behind, &row, &sums.light.behind, &hits);
+        for behind in to.behind.iter_mut().skip(row.start) {
+            *behind = behind.min(1.0);
+        }
+        let coverage = sums.hits.iter().map(|hits| f64::from(*hits) / count);
+        to.coverage.extend(coverage);
     }
 
     /// Sets the bytes of a row of pixels.
     fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
-        let is_transparent = self.work.resolver.is_transparent;
-        if sums.light.others.iter().all(Vec::is_empty) && !is_transparent {
-            if self.shading.samples != Samples::ONE {
-                let count = f64::from(self.shading.samples.count());
-                let sums = sums.light.first.iter_mut().flatten();
-                sums.for_each(|sum| *sum /= count);
-            }
-        } else {
-            for place in 0..bytes.len() {
-                let light = self.mean(sums, place).sum();
-                sums.light.set(place, Shaded::direct(light));
+        let parts = &mut sums.light.parts;
+        if self.shading.samples != Samples::ONE {
+            let count = f64::from(self.shading.samples.count());
+            let sums = parts.as_flattened_mut().iter_mut().flatten();
+            sums.for_each(|sum| *sum /= count);
+        }
+        let [first, others @ ..] = parts;
+        for other in others {
+            for (sum, other) in first.iter_mut().flatten().zip(other.iter().flatten()) {
+                *sum += other;
             }
         }
-        let light = sums.light.first.each_ref().map(Vec::as_slice);
-        self.shading.isa.run(Encode { tone, light, bytes });
+        self.shading.isa.run(Encode {
+            tone,
+            light: first.each_ref().map(Vec::as_slice),
+            is_wide: false,
+            channels: 3,
+            bytes: bytes.as_flattened_mut(),
+        });
     }
 
     /// Sums up the samples of a row of pixels.
@@ -187,21 +183,33 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     }
 
     /// Adds the linear first colors of a row of samples, at these places, to the sums of its pixels.
-    fn add_albedo(&self, row: u32, samples: Range<usize>, sums: &mut Vec<Radiance>) {
+    fn add_albedo(&self, row: u32, samples: Range<usize>, sums: &mut [Vec<f64>; 3]) {
         let side = self.shading.samples.side() as usize;
-        sums.resize(self.columns.len(), Radiance::BLACK);
+        sums.iter_mut()
+            .for_each(|sums| sums.resize(self.columns.len(), 0.0));
         let line = (row - self.hits.rows.start) as usize;
         let left = self.columns.start as usize * side - self.hits.columns.start as usize;
-        let mut samples = samples.enumerate().map(|(column, place)| {
-            let geometry = self.shading.world.with_id(self.hits.ids[place] as usize);
-            geometry.map_or(Radiance::BLACK, |geometry| {
-                let ray = || self.rays.ray(left + column, line);
-                geometry.color_at(ray, self.hits.t[place]).to_linear()
-            })
-        });
-        for sum in sums {
-            let samples = samples.by_ref().take(side);
-            *sum = samples.fold(*sum, |sum, albedo| sum + albedo);
+        // Neighbors mostly show the same geometry.
+        let (mut last, mut known) = (NOTHING, None);
+        for (column, place) in samples.enumerate() {
+            let (id, t) = (self.hits.ids[place], self.hits.t[place]);
+            let geometry = self.shading.world.with_id(id as usize);
+            if id != last {
+                let material = geometry.and_then(Geometry::only_material);
+                let of_all = material.map(|material| material.color().to_linear());
+                (last, known) = (id, of_all);
+            }
+            let light = match (known, geometry) {
+                (Some(light), _) => light,
+                (None, None) => Radiance::BLACK,
+                (None, Some(geometry)) => {
+                    let ray = || self.rays.ray(left + column, line);
+                    geometry.color_at(ray, t).to_linear()
+                }
+            };
+            for (sums, channel) in sums.iter_mut().zip(light.channels) {
+                sums[column / side] += channel;
+            }
         }
     }
 
@@ -209,41 +217,34 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     fn add(&self, ids: &[u32], scratch: &mut Scratch) {
         let side = self.shading.samples.side() as usize;
         let Scratch { samples, sums, .. } = scratch;
-        let is_transparent = self.work.resolver.is_transparent;
-        let wants_bytes = matches!(self.work.wanted, Wanted::Bytes(_));
-        if is_transparent || !wants_bytes {
+        if !matches!(self.work.wanted, Wanted::Bytes(_)) {
             for (sum, ids) in sums.hits.iter_mut().zip(ids.chunks_exact(side)) {
                 *sum += ids.iter().map(|id| u32::from(*id != NOTHING)).sum::<u32>();
             }
         }
-        if is_transparent {
+        if self.work.resolver.is_transparent {
             for (place, _) in ids.iter().enumerate().filter(|(_, id)| **id == NOTHING) {
                 samples.set(place, Shaded::default());
-            }
-            for (sum, behind) in sums.behind.iter_mut().zip(samples.behind.chunks(side)) {
-                *sum = behind.iter().fold(*sum, |sum, behind| sum + behind);
             }
         }
         if side == 1 {
             // The only samples are the sums.
-            mem::swap(&mut sums.light.first, &mut samples.first);
-        } else {
-            for (sums, samples) in sums.light.first.iter_mut().zip(&samples.first) {
-                match side {
-                    2 => add_rows(sums, samples.as_chunks::<2>().0),
-                    3 => add_rows(sums, samples.as_chunks::<3>().0),
-                    4 => add_rows(sums, samples.as_chunks::<4>().0),
-                    _ => add_rows(sums, samples.chunks_exact(side)),
-                }
-            }
+            mem::swap(&mut sums.light, samples);
+            return;
         }
-        for (sums_of_part, samples) in sums.light.others.iter_mut().zip(&samples.others) {
+        let RowLight { parts, behind } = &mut sums.light;
+        let planes = parts.as_flattened_mut().iter_mut().chain([behind]);
+        let samples = samples.parts.as_flattened().iter().chain([&samples.behind]);
+        for (sums, samples) in planes.zip(samples) {
             if samples.is_empty() {
                 continue;
             }
-            sums_of_part.resize(sums.hits.len(), Radiance::BLACK);
-            for (sum, samples) in sums_of_part.iter_mut().zip(samples.chunks_exact(side)) {
-                *sum = samples.iter().fold(*sum, |sum, sample| sum + *sample);
+            sums.resize(self.columns.len(), 0.0);
+            match side {
+                2 => add_rows(sums, samples.as_chunks::<2>().0),
+                3 => add_rows(sums, samples.as_chunks::<3>().0),
+                4 => add_rows(sums, samples.as_chunks::<4>().0),
+                _ => add_rows(sums, samples.chunks_exact(side)),
             }
         }
     }
@@ -267,7 +268,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let line = (row - self.hits.rows.start) as usize;
         samples.begin(columns.len());
         others.clear();
-        let [r, g, b] = &mut samples.first;
+        let [r, g, b] = &mut samples.parts[0];
         shading.isa.run(ShadeRow {
             world,
             shadows: self.state.shadows,
@@ -319,6 +320,21 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             }
         }
     }
+}
+
+/// Appends a row of sums to a plane, divided by the numbers of their samples, which are 1 if there are none.
+/// The plane is empty if no row has any sums, and 0 in a row that has none.
+#[inline(never)]
+fn append(plane: &mut Vec<f64>, row: &Range<usize>, sums: &[f64], counts: &[f64]) {
+    if plane.is_empty() && sums.is_empty() {
+        return;
+    }
+    plane.resize(row.start, 0.0);
+    plane.extend_from_slice(sums);
+    for (mean, count) in plane[row.start..].iter_mut().zip(counts) {
+        *mean /= count;
+    }
+    plane.resize(row.end, 0.0);
 }
 
 /// Adds the samples of each pixel to its sum, one after the other.

@@ -1,7 +1,5 @@
 //! The light of rows of samples, and its sums by pixel.
 
-use std::array;
-
 use crate::{
     film::{parts::LightParts, samples::Samples},
     integrator::{
@@ -43,10 +41,8 @@ impl Scratch {
 #[derive(Default)]
 pub(super) struct Sums {
     pub(super) light: RowLight,
-    pub(super) albedo: Vec<Radiance>,
+    pub(super) albedo: [Vec<f64>; 3],
     pub(super) hits: Vec<u32>,
-    /// The part of a transparent background that shows in these hits.
-    pub(super) behind: Vec<f64>,
 }
 
 impl Sums {
@@ -54,23 +50,21 @@ impl Sums {
     pub(super) fn clear(&mut self, width: usize, samples: Samples) {
         self.light.begin(width);
         if samples != Samples::ONE {
-            self.light.first.iter_mut().for_each(|sums| sums.fill(0.0));
+            self.light.parts[0]
+                .iter_mut()
+                .for_each(|sums| sums.fill(0.0));
         }
-        self.albedo.clear();
+        self.albedo.iter_mut().for_each(Vec::clear);
         self.hits.clear();
         self.hits.resize(width, 0);
-        self.behind.clear();
-        self.behind.resize(width, 0.0);
     }
 }
 
 /// The light of a row.
 #[derive(Default)]
 pub(super) struct RowLight {
-    /// Red, green and blue of the first part, which all samples have.
-    pub(super) first: [Vec<f64>; 3],
-    /// The other parts; empty if there is none.
-    pub(super) others: [Vec<Radiance>; LightParts::NAMES.len() - 1],
+    /// Red, green and blue of each part; empty if there is none, except for the first.
+    pub(super) parts: [[Vec<f64>; 3]; LightParts::NAMES.len()],
     /// The mean of the channels of the part of a transparent background; empty if there is none.
     pub(super) behind: Vec<f64>,
 }
@@ -78,41 +72,26 @@ pub(super) struct RowLight {
 impl RowLight {
     /// Begins a row of this length, with any light.
     pub(super) fn begin(&mut self, count: usize) {
-        for light in &mut self.first {
-            light.resize(count, 0.0);
-        }
-        self.others.iter_mut().for_each(Vec::clear);
+        let [first, others @ ..] = &mut self.parts;
+        first.iter_mut().for_each(|light| light.resize(count, 0.0));
+        others.as_flattened_mut().iter_mut().for_each(Vec::clear);
         self.behind.clear();
     }
 
-    /// Returns the light at a place.
-    pub(super) fn parts(&self, place: usize) -> LightParts {
-        let [r, g, b] = &self.first;
-        let first = Radiance::new(r[place], g[place], b[place]);
-        LightParts::new(array::from_fn(|part| match part.checked_sub(1) {
-            None => first,
-            Some(other) => self.others[other].get(place).copied().unwrap_or_default(),
-        }))
-    }
-
     pub(super) fn set(&mut self, place: usize, shaded: Shaded) {
-        let [first, others @ ..] = shaded.parts.all();
-        for (light, channel) in self.first.iter_mut().zip(first.channels) {
-            light[place] = channel;
-        }
-        for (lights, other) in self.others.iter_mut().zip(others) {
-            if lights.is_empty() && other != Radiance::BLACK {
-                lights.resize(self.first[0].len(), Radiance::BLACK);
+        let count = self.parts[0][0].len();
+        for (lights, part) in self.parts.iter_mut().zip(shaded.parts.all()) {
+            if lights[0].is_empty() && part == Radiance::BLACK {
+                continue;
             }
-            if let Some(light) = lights.get_mut(place) {
-                *light = other;
+            for (light, channel) in lights.iter_mut().zip(part.channels) {
+                light.resize(count, 0.0);
+                light[place] = channel;
             }
         }
-        if self.behind.is_empty() && shaded.behind != Radiance::BLACK {
-            self.behind.resize(self.first[0].len(), 0.0);
-        }
-        if let Some(behind) = self.behind.get_mut(place) {
-            *behind = shaded.behind.mean();
+        if !self.behind.is_empty() || shaded.behind != Radiance::BLACK {
+            self.behind.resize(count, 0.0);
+            self.behind[place] = shaded.behind.mean();
         }
     }
 }
