@@ -66,8 +66,8 @@ fn each(case: &Case, mut of: impl FnMut(u32, u32)) {
 #[test]
 fn numbers_are_those_of_the_plain_definition() {
     let isas = Isa::all();
-    let mut hits = 0;
-    for seed in 0..cases(100) as u64 {
+    let (mut hits, mut blends) = (0, 0);
+    for seed in 0..cases(200) as u64 {
         let mut random = Rng(seed.wrapping_mul(0x1f35_79bd) | 1);
         let case = Case::new(&mut random);
         let isa = isas[random.below(isas.len())];
@@ -123,7 +123,9 @@ fn numbers_are_those_of_the_plain_definition() {
             let size = if layer == Layer::Color { 4 } else { 8 };
             let mut found = found.chunks(size);
             each(&case, |column, row| {
-                for expected in value(column, row, &case.plain(column, row)) {
+                let pixel = case.plain(column, row);
+                blends += u32::from(case.is_transparent && pixel.coverage.fract() != 0.0);
+                for expected in value(column, row, &pixel) {
                     let (found, expected) = match found.next().unwrap() {
                         &[a, b, c, d] => {
                             let found = f32::from_ne_bytes([a, b, c, d]);
@@ -142,6 +144,10 @@ fn numbers_are_those_of_the_plain_definition() {
         }
     }
     assert!(hits > 1000, "only {hits} hits");
+    assert!(
+        blends > 100,
+        "only {blends} pixels show a part of what is behind"
+    );
 }
 
 #[test]
