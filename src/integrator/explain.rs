@@ -10,7 +10,8 @@ use crate::{
     film::parts::LightParts,
     integrator::{
         Integrate, Integrator,
-        direct::{Queries, Shaded, Step, Surface, Value},
+        direct::{Queries, Shaded, Step, Value},
+        surface::Surface,
     },
     tracer::{
         color::Color,

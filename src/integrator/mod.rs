@@ -3,9 +3,11 @@
 pub(crate) mod accelerated;
 pub(crate) mod batch;
 pub(crate) mod direct;
+pub(crate) mod encode;
 pub(crate) mod explain;
 pub(crate) mod flat;
 pub(crate) mod queue;
+pub(crate) mod surface;
 
 use crate::{
     integrator::{

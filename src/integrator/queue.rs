@@ -11,7 +11,8 @@ use crate::{
     accel::shadow::Shadows,
     integrator::{
         batch::{Cache, HitRow, OnwardRow, Others, ShadeRow},
-        direct::{Direct, Onward, Path, Queries, Sent, Shaded, Shadow, Surface},
+        direct::{Direct, Queries, Sent, Shaded},
+        surface::{Onward, Path, Shadow, Surface},
     },
     simd::isa::Isa,
     tracer::{radiance::Radiance, ray::Ray, shape::face::FaceId},

@@ -14,7 +14,10 @@ use crate::{
         resolve::{PixelColor, Resolved},
     },
     image_file::pixel::Sample,
-    integrator::batch::{Cache, Encode, LocateRow, Places, SampleRow},
+    integrator::{
+        batch::{Cache, LocateRow, Places, SampleRow},
+        encode::Encode,
+    },
     parallel::Pool,
     render::{
         hits::Rays,

@@ -11,8 +11,9 @@ use crate::{
     film::{Centers, Lit, Piece, Wanted, colors::NOTHING, light::LightPlanes, samples::Samples},
     integrator::{
         Integrate, Integrator,
-        batch::{Encode, HitRow, SampleRow, ShadeRow},
+        batch::{HitRow, SampleRow, ShadeRow},
         direct::{Queries, Shaded},
+        encode::Encode,
         queue::{Lanes, Seen},
     },
     render::{
