@@ -3,7 +3,7 @@
 use clap::builder::PossibleValue;
 use strahl::{
     ImageFormat, RenderOptions, Size,
-    film::{Crop, Samples},
+    film::{Crop, SampleCount},
     image_file::{Compression, Palette},
     render::Layer,
 };
@@ -21,9 +21,9 @@ pub(super) struct PictureArgs {
     /// Render a part of the picture: column and row of its top left pixel, width and height
     #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Crop>,
-    /// Samples per pixel, a square number such as 1, 4, 9 or 16
+    /// Samples per pixel: a square number such as 1, 4, 9 or 16, or any number of paths
     #[arg(long, value_name = "N")]
-    samples: Option<Samples>,
+    samples: Option<SampleCount>,
     #[arg(
         long,
         help = layers_help(),
@@ -101,7 +101,7 @@ impl PictureArgs {
     }
 
     /// Returns the samples per pixel, for a scene with this number.
-    pub(super) fn samples(&self, samples: Samples) -> Samples {
+    pub(super) fn samples(&self, samples: SampleCount) -> SampleCount {
         self.samples.unwrap_or(samples)
     }
 

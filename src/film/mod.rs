@@ -16,7 +16,7 @@ use std::{
 
 pub use crop::Crop;
 pub use outlines::Outlines;
-pub use samples::{Samples, SamplesError};
+pub use samples::{SampleCount, Samples, SamplesError};
 pub use size::SizeError;
 
 use crate::film::{
@@ -193,17 +193,17 @@ impl Piece {
     }
 
     /// Returns the rows of the geometries hit by center rays and, if `centers` requests them, of
-    /// the t of these hits, both from the top. With one sample per pixel, the former are the rows
-    /// of pixels.
+    /// the t of these hits, both from the top. If the center is the only sample of a pixel, the former
+    /// are the rows of pixels.
     pub(crate) fn hits_mut(
         &mut self,
-        samples: Samples,
+        only_centers: bool,
         centers: Centers,
     ) -> (Vec<&mut [u32]>, Vec<&mut [f64]>) {
         let count = self.pixels();
-        let ids = match samples {
-            Samples::ONE => &mut self.pixels,
-            _ => self.centers.insert(Plane::new(count, NOTHING)),
+        let ids = match only_centers {
+            true => &mut self.pixels,
+            false => self.centers.insert(Plane::new(count, NOTHING)),
         };
         if centers == Centers::Hits {
             self.t = Plane::new(count, f64::INFINITY);

@@ -2,7 +2,12 @@
 
 use std::{error::Error, fmt, num::IntErrorKind, str::FromStr};
 
-use crate::film::size::number;
+use crate::{film::size::number, tracer::light::transport::PathOptions};
+
+/// The number of samples of a pixel: those of a grid, [`Samples`], or, where light follows paths, any
+/// number from 1 to 1,048,576.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleCount(u32);
 
 /// The number of samples per pixel: an n x n regular grid, n from 1 to 64.
 ///
@@ -61,6 +66,65 @@ impl Default for Samples {
     }
 }
 
+impl SampleCount {
+    /// Creates a number of samples.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if `count` is 0 or above 1,048,576.
+    pub fn new(count: u32) -> Result<Self, SamplesError> {
+        if (1..=PathOptions::MAX_SAMPLES).contains(&count) {
+            Ok(Self(count))
+        } else {
+            Err(SamplesError::OutOfRange { count })
+        }
+    }
+
+    /// Returns the number of paths.
+    pub(crate) fn of_paths(options: &PathOptions) -> Self {
+        Self(options.samples())
+    }
+
+    /// The number.
+    pub const fn count(self) -> u32 {
+        self.0
+    }
+
+    /// Returns the grid of this many samples.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Samples::new`].
+    pub fn grid(self) -> Result<Samples, SamplesError> {
+        Samples::new(self.0)
+    }
+}
+
+impl From<Samples> for SampleCount {
+    fn from(samples: Samples) -> Self {
+        Self(samples.count())
+    }
+}
+
+impl fmt::Display for SampleCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl FromStr for SampleCount {
+    type Err = SamplesError;
+
+    /// Parses a number of samples, such as `100`.
+    fn from_str(text: &str) -> Result<Self, SamplesError> {
+        match number(text) {
+            Ok(count) => Self::new(count),
+            Err(error) if *error.kind() == IntErrorKind::PosOverflow => Err(SamplesError::TooMany),
+            Err(_) => Err(SamplesError::Malformed),
+        }
+    }
+}
+
 impl fmt::Display for Samples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.count().fmt(f)
@@ -114,7 +178,9 @@ impl SamplesError {
 
 impl fmt::Display for SamplesError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a pixel has 1, 4, 9, 16, … or 4096 samples, a square of 1 to 64")?;
+        f.write_str(
+            "a pixel has 1, 4, 9, 16, … or 4096 samples, a square of 1 to 64, or up to 1048576 paths",
+        )?;
         match self {
             Self::OutOfRange { count } => write!(f, ", found {count}; {}", self.help()),
             Self::TooMany | Self::Malformed => write!(f, "; {}", self.help()),

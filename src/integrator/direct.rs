@@ -14,7 +14,7 @@ use crate::{
     integrator::{
         Integrate,
         queue::{Lanes, Queue, Seen},
-        surface::{Onward, Path, Shadow, Surface},
+        surface::{AtGlass, Onward, Path, Shadow, Surface},
     },
     tracer::{
         color::Color,
@@ -468,25 +468,11 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the light of glass, or of what meets it at its point.
     fn glass(&self, surface: &Surface, glass: Glass, onward: &mut Vec<Onward>) -> Sent {
-        let start = &self.queries.known(self.start(surface));
-        match start.seen(self.world) {
-            None => {
-                let (own, is_front) = (start.own(), surface.hit.front_face);
-                let is_pane = surface.hit.geometry.shape().is_pane(own.face);
-                let interface = Interface::alone(own, glass, is_front, is_pane);
-                let start = OnceCell::from(start.clone());
-                let surface = Surface {
-                    start,
-                    ..surface.clone()
-                };
-                self.interface(&surface, &interface, onward)
-            }
-            Some(Crossed::Opaque(id)) => self.light_of(&surface.on(self.world, start, id), onward),
-            Some(Crossed::Glass(interface)) => {
-                let surface = surface.on(self.world, start, interface.face);
-                self.interface(&surface, &interface, onward)
-            }
-            Some(Crossed::Nothing) => Err(surface.straight(Radiance::WHITE, start)),
+        let start = self.queries.known(self.start(surface));
+        match surface.at_glass(self.world, start, glass) {
+            AtGlass::Interface(surface, interface) => self.interface(&surface, &interface, onward),
+            AtGlass::Opaque(surface) => self.light_of(&surface, onward),
+            AtGlass::Nothing(start) => Err(surface.straight(Radiance::WHITE, &start)),
         }
     }
 

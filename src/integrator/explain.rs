@@ -334,7 +334,10 @@ mod tests {
             sun.unwrap().into(),
             Headlight::new(GREY, 0.3).unwrap().into(),
         ];
-        let lighting = Lighting { lights, max_depth };
+        let lighting = Lighting {
+            max_depth,
+            ..Lighting::new(lights)
+        };
         World::new(geometries, GREY).lit(lighting)
     }
 

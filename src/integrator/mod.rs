@@ -6,6 +6,7 @@ pub(crate) mod direct;
 pub(crate) mod encode;
 pub(crate) mod explain;
 pub(crate) mod flat;
+pub(crate) mod path;
 pub(crate) mod queue;
 pub(crate) mod surface;
 
@@ -13,9 +14,10 @@ use crate::{
     integrator::{
         direct::{Direct, Queries, Shaded},
         flat::Flat,
+        path::PathTracer,
         queue::{Lanes, Queue, Seen},
     },
-    tracer::{radiance::Radiance, ray::Ray, tone::Tone, world::World},
+    tracer::{light::transport::Transport, radiance::Radiance, ray::Ray, tone::Tone, world::World},
 };
 
 /// The methods of an integrator, implemented in its own file.
@@ -33,12 +35,14 @@ pub(crate) trait Integrate {
 }
 
 /// The way in which the light of a world is computed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Integrator<'a, Q> {
     /// Without lights.
     Flat(Flat<'a>),
-    /// With lights.
+    /// With lights that shine on surfaces directly.
     Direct(Direct<'a, Q>),
+    /// With light that follows paths.
+    Path(PathTracer<'a, Q>),
 }
 
 impl<'a, Q: Queries> Integrator<'a, Q> {
@@ -47,10 +51,16 @@ impl<'a, Q: Queries> Integrator<'a, Q> {
     pub(crate) fn new(world: &'a World, queries: &'a Q, tone: Tone, is_transparent: bool) -> Self {
         match world.lighting() {
             None => Self::Flat(Flat { world }),
-            Some(lighting) => {
-                let direct = Direct::new(world, lighting, queries, tone, is_transparent);
-                Self::Direct(direct)
-            }
+            Some(lighting) => match lighting.transport {
+                Transport::Direct => {
+                    let direct = Direct::new(world, lighting, queries, tone, is_transparent);
+                    Self::Direct(direct)
+                }
+                Transport::Path(options) => {
+                    let paths = PathTracer::new(world, lighting, options, queries, is_transparent);
+                    Self::Path(paths)
+                }
+            },
         }
     }
 }
@@ -60,6 +70,7 @@ impl<Q: Queries> Integrate for Integrator<'_, Q> {
         match self {
             Self::Flat(flat) => flat.trace(ray),
             Self::Direct(direct) => direct.trace(ray),
+            Self::Path(paths) => paths.trace(ray),
         }
     }
 
@@ -72,6 +83,7 @@ impl<Q: Queries> Integrate for Integrator<'_, Q> {
         match self {
             Self::Flat(flat) => flat.shade(seen, with, set),
             Self::Direct(direct) => direct.shade(seen, with, set),
+            Self::Path(paths) => paths.shade(seen, with, set),
         }
     }
 }
@@ -80,8 +92,9 @@ impl World {
     /// Returns the linear light that a ray brings back: from the lights, if the world is lit, else
     /// that of the color that it sees.
     ///
-    /// This function defines every lit picture. With another exposure than 0, other rays are so faint
-    /// that they are not traced.
+    /// This function defines every picture with direct lighting. With another exposure than 0, other rays
+    /// are so faint that they are not traced. If light follows paths, it is the mean of as many as a pixel
+    /// has.
     ///
     /// # Examples
     ///

@@ -5,8 +5,14 @@ use std::cell::OnceCell;
 use glam::DVec3;
 
 use crate::tracer::{
-    contact::Departure, hit::Hit, material::glass::Fresnel, radiance::Radiance, ray::Ray,
-    shape::face::FaceId, vector::unit, world::World,
+    contact::{Crossed, Departure, Interface},
+    hit::Hit,
+    material::glass::{Fresnel, Glass},
+    radiance::Radiance,
+    ray::Ray,
+    shape::face::FaceId,
+    vector::unit,
+    world::World,
 };
 
 /// A ray on its way from the camera.
@@ -69,6 +75,16 @@ pub(crate) struct Onward {
     pub(crate) factor: Radiance,
 }
 
+/// What is seen at a point of glass, which other surfaces may meet.
+pub(super) enum AtGlass<'a> {
+    /// The surface of glass, or of several that meet.
+    Interface(Surface<'a>, Interface),
+    /// An opaque surface.
+    Opaque(Surface<'a>),
+    /// Nothing: the ray goes straight on.
+    Nothing(Departure),
+}
+
 impl<'a> Surface<'a> {
     pub(super) fn new(world: &'a World, path: &'a Path, t: f64, id: FaceId) -> Self {
         let hit = world.hit_on(&path.ray, t, id);
@@ -105,6 +121,30 @@ impl<'a> Surface<'a> {
         Self {
             start: OnceCell::from(start.on(id)),
             ..Self::new(world, self.path, self.hit.t, id)
+        }
+    }
+
+    /// Returns what is seen at a point of glass, given all faces that rays leave there.
+    pub(super) fn at_glass(&self, world: &'a World, start: Departure, glass: Glass) -> AtGlass<'a> {
+        match start.seen(world) {
+            None => {
+                let (own, is_front) = (start.own(), self.hit.front_face);
+                let is_pane = self.hit.geometry.shape().is_pane(own.face);
+                let interface = Interface::alone(own, glass, is_front, is_pane);
+                let start = OnceCell::from(start);
+                AtGlass::Interface(
+                    Self {
+                        start,
+                        ..self.clone()
+                    },
+                    interface,
+                )
+            }
+            Some(Crossed::Opaque(id)) => AtGlass::Opaque(self.on(world, &start, id)),
+            Some(Crossed::Glass(interface)) => {
+                AtGlass::Interface(self.on(world, &start, interface.face), interface)
+            }
+            Some(Crossed::Nothing) => AtGlass::Nothing(start),
         }
     }
 

@@ -5,7 +5,11 @@ use glam::DVec3;
 use super::{Scene, animation::Moving, refused};
 use crate::{
     diagnostic::error::Error,
-    film::{Outlines, samples::Samples, size::Size},
+    film::{
+        Outlines,
+        samples::{SampleCount, Samples},
+        size::Size,
+    },
     parallel::Cancel,
     scene::{
         format::{
@@ -252,13 +256,15 @@ impl Scene {
 
     /// Returns the samples of a pixel of [`Scene::magnified`], given those of the picture. With outlines both
     /// pictures have about as many in all: the time grows with the fourth power of the width in samples.
-    pub(crate) fn samples_magnified(&self, samples: Samples, factor: u32) -> Samples {
-        let side = samples.side();
-        let fewer = side.div_ceil(factor.max(1)).max(side.min(2));
-        match self.outlines {
-            Some(_) => Samples::new(fewer * fewer).unwrap_or(samples),
-            None => samples,
-        }
+    pub(crate) fn samples_magnified(&self, samples: SampleCount, factor: u32) -> SampleCount {
+        let fewer = |samples: Samples| {
+            let side = samples.side();
+            let fewer = side.div_ceil(factor.max(1)).max(side.min(2));
+            Samples::new(fewer * fewer).ok()
+        };
+        let is_grid = self.outlines.is_some() && self.world.paths().is_none();
+        let grid = is_grid.then(|| samples.grid().ok()).flatten();
+        grid.and_then(fewer).map_or(samples, SampleCount::from)
     }
 }
 

@@ -4,10 +4,7 @@ use std::cell::LazyCell;
 
 use crate::{
     diagnostic::error::Error,
-    film::{
-        colors::{self, ColorTable},
-        samples::Samples,
-    },
+    film::colors::{self, ColorTable},
     image_file::{
         ImageFormat, Palette,
         pixel::{Pixel, Sample},
@@ -131,7 +128,7 @@ impl Scene {
         if self.mixes_colors() {
             return Err(MIXED);
         }
-        if options.samples.unwrap_or(self.samples) != Samples::ONE {
+        if options.samples.unwrap_or(self.samples()).count() != 1 {
             return Err("several samples per pixel mix its colors");
         }
         colors::Palette::of(table()).ok_or("background and geometries have more than 256 colors")

@@ -16,7 +16,10 @@ use crate::{
         camera::{Camera, basis::Basis},
         color::Color,
         geometry::Geometry,
-        light::Light,
+        light::{
+            Light,
+            transport::{PathOptions, Transport},
+        },
         material::{
             Material,
             binding::{MaterialBinding, VertexColors},
@@ -87,9 +90,15 @@ impl WorldHash {
                     fingerprint.digits()
                 }));
             }
-            if let Some(Lighting { lights, max_depth }) = lighting {
+            if let Some(Lighting {
+                lights,
+                max_depth,
+                transport,
+            }) = lighting
+            {
                 fingerprint.text("lit");
                 fingerprint.number(f64::from(*max_depth));
+                fingerprint.transport(transport);
                 lights.iter().for_each(|light| fingerprint.light(light));
             }
             fingerprint.digits()
@@ -168,6 +177,29 @@ impl Fingerprint {
             self.number(depth.unwrap_or(-1.0));
             self.number(creases.unwrap_or(-1.0));
         }
+    }
+
+    /// Adds the options of paths; direct lighting has none.
+    fn transport(&mut self, transport: &Transport) {
+        let PathOptions {
+            samples,
+            diffuse_depth,
+            caustics,
+            clamp,
+            seed,
+        } = match transport {
+            Transport::Direct => return,
+            Transport::Path(options) => *options,
+        };
+        self.text("path");
+        // No number is below 0.
+        self.numbers([
+            samples.into(),
+            diffuse_depth.map_or(-1.0, f64::from),
+            f64::from(u8::from(caustics)),
+        ]);
+        self.number(clamp.unwrap_or(-1.0));
+        self.number(seed.into());
     }
 
     fn light(&mut self, light: &Light) {

@@ -35,7 +35,7 @@ impl Scene {
     /// ```
     pub fn hash(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<String, Error> {
         let mut fingerprint = Fingerprint::default();
-        let (picture, file) = options.in_words(self.size, self.samples);
+        let (picture, file) = options.in_words(self.size, self.samples());
         let camera = self.camera_of(options)?;
         fingerprint.text(&self.fingerprint(&picture, &camera));
         fingerprint.text(options.format_of(path.as_ref())?.name());
@@ -48,7 +48,7 @@ impl Scene {
     pub(super) fn about(&self, options: &RenderOptions) -> Result<Vec<(String, String)>, Error> {
         let camera = self.camera_of(options)?;
         let entry = |name: &str, text: String| (name.to_owned(), text);
-        let (picture, _) = options.in_words(self.size, self.samples);
+        let (picture, _) = options.in_words(self.size, self.samples());
         Ok(vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
             entry("Scene", self.fingerprint(&picture, &camera)),

@@ -20,7 +20,11 @@ use self::{
 use crate::{
     accel::kept::Kept,
     diagnostic::{Diagnostic, error::Error},
-    film::{Outlines, samples::Samples, size::Size},
+    film::{
+        Outlines,
+        samples::{SampleCount, Samples},
+        size::Size,
+    },
     parallel::{
         Cancel,
         timings::{Stage, Timings},
@@ -29,7 +33,7 @@ use crate::{
     scene::{
         build::{self, Built},
         document::Document,
-        format::{outlines::OutlinesModel, scene::Model},
+        format::{lighting::LightingModel, outlines::OutlinesModel, scene::Model},
         framing::Known,
         options::ReadOptions,
         origins::Origins,
@@ -163,9 +167,12 @@ impl Scene {
         self.size
     }
 
-    /// Returns the number of samples per pixel given by the scene.
-    pub const fn samples(&self) -> Samples {
-        self.samples
+    /// Returns the number of samples per pixel given by the scene: its paths, if light follows paths.
+    pub fn samples(&self) -> SampleCount {
+        match self.world.paths() {
+            Some(paths) => SampleCount::of_paths(paths),
+            None => self.samples.into(),
+        }
     }
 
     /// Returns the warnings about probable mistakes, in file order.
@@ -205,7 +212,12 @@ impl TryFrom<Document> for Scene {
             image.tone(),
             model.outlines.as_ref().map(OutlinesModel::build),
         );
-        let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
+        let samples = match (image.samples, &model.lighting) {
+            (Some(samples), _) => Samples::new(samples),
+            // Lines have samples of their own.
+            (None, Some(LightingModel::Path(_))) if outlines.is_some() => Samples::new(16),
+            (None, _) => Ok(Samples::ONE),
+        };
         let seen = Model {
             camera: model.camera.clone(),
             cameras: model.cameras.clone(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     diagnostic::{error::Error, setters::setters},
-    film::{crop::Crop, samples::Samples, size::Size},
+    film::{crop::Crop, samples::SampleCount, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, timings::Timings},
     render::layers::{
@@ -20,7 +20,7 @@ pub struct RenderOptions {
     pub(super) format: Option<ImageFormat>,
     pub(super) size: Option<Size>,
     pub(super) crop: Option<Crop>,
-    pub(super) samples: Option<Samples>,
+    pub(super) samples: Option<SampleCount>,
     pub(super) layers: Vec<Layer>,
     pub(crate) settings: Settings,
     pub(super) quality: Option<u8>,
@@ -56,7 +56,7 @@ impl RenderOptions {
 
     /// Returns two texts for a scene of this size and number of samples: the options that change
     /// the picture, and those that change only its file. The format of the file is not included.
-    pub(super) fn in_words(&self, size: Size, samples: Samples) -> (String, String) {
+    pub(super) fn in_words(&self, size: Size, samples: SampleCount) -> (String, String) {
         let Self {
             size: other_size,
             crop,
@@ -119,7 +119,7 @@ impl RenderOptions {
         crop(crop: Crop) => crop = Some(crop);
 
         /// Sets the samples per pixel, instead of those of the scene.
-        samples(samples: Samples) => samples = Some(samples);
+        samples(samples: impl Into<SampleCount>) => samples = Some(samples.into());
 
         /// Sets the number of threads; 0, the default, means one per core. The picture is the same for
         /// every number.

@@ -65,7 +65,7 @@ impl Scene {
             ..Aovs::default()
         };
         let camera = self.camera_of(options)?;
-        let is_shaded = self.tracer(&camera, options).is_shaded(aovs.wanted);
+        let is_shaded = self.tracer(&camera, options)?.is_shaded(aovs.wanted);
         self.draw(options, &watch, aovs, |film| {
             if is_shaded {
                 film.append_lit(&mut pixels);
@@ -257,7 +257,7 @@ impl Scene {
                 () => Wanted::Hits,
             },
         };
-        let is_shaded = self.tracer(&camera, options).is_shaded(aovs.wanted);
+        let is_shaded = self.tracer(&camera, options)?.is_shaded(aovs.wanted);
         let pool = Pool::new(options.threads);
         let mut bytes = Vec::new();
         let mut top = 0;
@@ -374,13 +374,27 @@ impl Scene {
         self.camera_for(options.size.unwrap_or(self.size))
     }
 
-    fn tracer<'a>(&'a self, camera: &'a Camera, options: &RenderOptions) -> RayTracer<'a> {
+    /// Returns the renderer of the picture.
+    fn tracer<'a>(
+        &'a self,
+        camera: &'a Camera,
+        options: &RenderOptions,
+    ) -> Result<RayTracer<'a>, Error> {
         let size = options.size.unwrap_or(self.size);
-        RayTracer::with_size(camera, &self.world, size)
-            .samples(options.samples.unwrap_or(self.samples))
+        let follows_paths = self.world.paths().is_some();
+        let grid = match options.samples.filter(|_| !follows_paths) {
+            Some(count) => count
+                .grid()
+                .map_err(|error| Error::refused(error.to_string()))?,
+            None => self.samples,
+        };
+        let tracer = RayTracer::with_size(camera, &self.world, size)
+            .samples(grid)
+            .paths(options.samples.filter(|_| follows_paths))
             .tone(self.tone)
             .outlines(self.outlines)
-            .isa(options.isa)
+            .isa(options.isa);
+        Ok(tracer)
     }
 
     /// Passes on the picture in bands from the top; with several threads, each while the next one
@@ -394,7 +408,7 @@ impl Scene {
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
         let camera = self.camera_of(options)?;
-        let tracer = self.tracer(&camera, options);
+        let tracer = self.tracer(&camera, options)?;
         let work = Work {
             pool: &Pool::new(options.threads),
             cancel: &options.cancel,

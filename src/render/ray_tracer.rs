@@ -11,7 +11,7 @@ use crate::{
         colors::ColorTable,
         crop::Crop,
         resolve::Resolver,
-        samples::Samples,
+        samples::{SampleCount, Samples},
         size::{Size, SizeError},
     },
     integrator::accelerated::Accelerated,
@@ -51,6 +51,7 @@ pub struct RayTracer<'a> {
     world: &'a World,
     size: Size,
     samples: Samples,
+    paths: Option<SampleCount>,
     tone: Tone,
     outlines: Option<Outlines>,
     isa: Isa,
@@ -77,6 +78,7 @@ impl<'a> RayTracer<'a> {
             world,
             size,
             samples: Samples::ONE,
+            paths: None,
             tone: world.tone(Tone::default()),
             outlines: None,
             isa: Isa::best(),
@@ -94,6 +96,9 @@ impl<'a> RayTracer<'a> {
         /// Sets the number of rays per pixel; the default is one. A pixel shows the mean of their
         /// colors, taken in linear light.
         samples(samples: Samples) => samples = samples;
+
+        /// Sets the number of paths per pixel, where light follows paths; the default is that of the world.
+        paths(paths: impl Into<Option<SampleCount>>) => paths = paths.into();
 
         /// Sets the outlines; there are none by default.
         outlines(outlines: impl Into<Option<Outlines>>) => outlines = outlines.into();
@@ -173,6 +178,7 @@ impl<'a> RayTracer<'a> {
                 queries: &Accelerated::new((self.world, work.kept), work.builder(self.isa)),
                 size: self.size,
                 samples: self.samples,
+                paths: self.paths,
                 outlines: self.outlines,
                 tone: self.tone,
                 isa: self.isa,

@@ -1,5 +1,7 @@
 //! Comparison of shaded pictures with the plain definition: no bit of their light may differ.
 
+mod paths;
+
 use std::{f64::consts::PI, iter};
 
 use glam::DVec3;
@@ -164,11 +166,12 @@ fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
         let at = random.below(geometries.len() + 1);
         geometries.insert(at, Geometry::new(plane, material(random)));
     }
-    let lights =
-        (0..random.one(&[0, 1, 1, 2, 5])).map(|_| light(random, middle, size, &geometries));
+    let lights = (0..random.one(&[0, 1, 1, 2, 5]))
+        .map(|_| light(random, middle, size, &geometries))
+        .collect();
     let lighting = Lighting {
-        lights: lights.collect(),
         max_depth: random.one(&[0, 1, 3, 8]) as u32,
+        ..Lighting::new(lights)
     };
     let world = World::new(geometries, color(random));
     match random.below(6) {
@@ -246,10 +249,12 @@ fn touching_world(random: &mut Rng) -> (World, Vec<DVec3>) {
         Geometry::new(shape, of)
     });
     let geometries: Vec<_> = geometries.collect();
-    let lights = (0..random.one(&[1, 2])).map(|_| light(random, DVec3::ZERO, 1.0, &geometries));
+    let lights = (0..random.one(&[1, 2]))
+        .map(|_| light(random, DVec3::ZERO, 1.0, &geometries))
+        .collect();
     let lighting = Lighting {
-        lights: lights.collect(),
         max_depth: random.one(&[1, 3, 6]) as u32,
+        ..Lighting::new(lights)
     };
     let world = World::new(geometries, color(random)).lit(lighting);
     (world, corners)

@@ -14,7 +14,6 @@ use crate::{
                 placement::Placement, walk::Leaf,
             },
             light::LightModel,
-            lighting::LightingModel,
             material::Materials,
             scene::Model,
         },
@@ -389,9 +388,16 @@ fn surroundings(
     let own = model.lights.iter().flatten();
     let mut lights: Vec<_> = own.map(LightModel::build).collect::<Result<_, _>>()?;
     lights.extend(of_parts.flatten().map(|(_, light)| *light));
-    let depth = model.lighting.as_ref().map(LightingModel::max_depth);
-    let max_depth = depth.unwrap_or(Lighting::MAX_DEPTH);
-    Ok((background, Some(Lighting { lights, max_depth })))
+    let direct = Lighting::new(lights);
+    let lighting = match &model.lighting {
+        None => direct,
+        Some(lighting) => Lighting {
+            max_depth: lighting.max_depth(),
+            transport: lighting.transport(),
+            ..direct
+        },
+    };
+    Ok((background, Some(lighting)))
 }
 
 /// Builds the rows of a table. The color of a row replaces the first color of the material.

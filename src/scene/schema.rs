@@ -159,7 +159,7 @@ impl Printer {
                 node
             }
             FieldKind::Interval => numbers(2),
-            FieldKind::Count { .. } | FieldKind::Depth => json!({"type": "integer"}),
+            FieldKind::Count { .. } | FieldKind::Natural { .. } => json!({"type": "integer"}),
             _ => json!({"type": "number"}),
         };
         if let Some(range) = kind.range() {

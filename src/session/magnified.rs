@@ -133,7 +133,8 @@ mod tests {
         }
         let side = |side: u32, factor| {
             let samples = Samples::new(side * side).unwrap();
-            scene.samples_magnified(samples, factor).side()
+            let fewer = scene.samples_magnified(samples.into(), factor);
+            fewer.grid().unwrap().side()
         };
         assert_eq!([side(4, 2), side(4, 3), side(8, 2)], [2, 2, 4]);
         assert_eq!([side(1, 3), side(2, 2), side(4, 9)], [1, 2, 2]);

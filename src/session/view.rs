@@ -7,7 +7,10 @@ use crate::{
         Path,
         error::{Error, ErrorKind},
     },
-    film::{samples::Samples, size::Size},
+    film::{
+        samples::{SampleCount, Samples},
+        size::Size,
+    },
     image_file::ImageFormat,
     parallel::Cancel,
     pipeline::{Scene, options::RenderOptions},
@@ -29,7 +32,7 @@ pub struct View {
     /// The exposure in stops, in place of the scene's.
     pub exposure: Option<f64>,
     /// The number of samples, in place of the scene's.
-    pub samples: Option<Samples>,
+    pub samples: Option<SampleCount>,
     /// The movement of the camera.
     pub motion: Motion,
 }

@@ -16,6 +16,7 @@ pub(crate) mod radiance;
 #[cfg(test)]
 pub(crate) mod random;
 pub(crate) mod ray;
+pub(crate) mod sampling;
 pub mod shape;
 pub(crate) mod srgb;
 pub(crate) mod tone;

@@ -2,7 +2,7 @@
 
 use std::{
     array,
-    ops::{Add, Div, Mul},
+    ops::{Add, Div, Mul, Sub},
     sync::OnceLock,
 };
 
@@ -73,6 +73,17 @@ impl Add for Radiance {
     fn add(self, other: Self) -> Self {
         let ([r, g, b], [x, y, z]) = (self.channels, other.channels);
         Self::new(r + x, g + y, b + z)
+    }
+}
+
+impl Sub for Radiance {
+    type Output = Self;
+
+    /// Subtracts channel by channel.
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        let ([r, g, b], [x, y, z]) = (self.channels, other.channels);
+        Self::new(r - x, g - y, b - z)
     }
 }
 

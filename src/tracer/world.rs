@@ -9,7 +9,10 @@ use crate::tracer::{
     contact::{Departure, Passed},
     geometry::Geometry,
     hit::Hit,
-    light::Light,
+    light::{
+        Light,
+        transport::{PathOptions, Transport},
+    },
     material::{
         Material,
         lobes::{LightOfMaterials, Lobes},
@@ -67,19 +70,23 @@ pub struct Lighting {
     /// The lights, in file order.
     pub lights: Vec<Light>,
     /// The largest depth of a ray: that of a camera is at depth 0, and each reflection or
-    /// refraction adds 1. A deeper ray sees the background.
+    /// refraction adds 1. A deeper ray sees the background. By paths, each scattering adds 1, and a
+    /// deeper path brings no light.
     pub max_depth: u32,
+    /// How light goes on from surface to surface.
+    pub transport: Transport,
 }
 
 impl Lighting {
     /// The default of the largest depth of a ray.
     pub const MAX_DEPTH: u32 = 8;
 
-    /// Creates the lighting of some lights, with [`Lighting::MAX_DEPTH`].
+    /// Creates the direct lighting of some lights, with [`Lighting::MAX_DEPTH`].
     pub const fn new(lights: Vec<Light>) -> Self {
         Self {
             lights,
             max_depth: Self::MAX_DEPTH,
+            transport: Transport::Direct,
         }
     }
 }
@@ -236,6 +243,20 @@ impl World {
     /// The lights, if the world is lit.
     pub const fn lighting(&self) -> Option<&Lighting> {
         self.lighting.as_ref()
+    }
+
+    /// The options of paths, if light follows paths.
+    pub(crate) fn paths(&self) -> Option<&PathOptions> {
+        match &self.lighting()?.transport {
+            Transport::Direct => None,
+            Transport::Path(options) => Some(options),
+        }
+    }
+
+    /// Returns true if there is glass other than panes.
+    pub(crate) fn has_solid_glass(&self) -> bool {
+        let is_solid = |it: &Geometry| it.has_glass() && !it.shape().is_flat();
+        self.geometries.iter().any(is_solid)
     }
 
     /// The lights; none if the world is flat.

@@ -289,7 +289,7 @@ impl<'a> FirstHits<'a> {
                     piece.resolve(work.resolver.resolve(&seen, samples.count() as usize));
                 }
                 if samples == Samples::ONE || work.centers != Centers::Unneeded {
-                    let (rows, t) = piece.hits_mut(samples, work.centers);
+                    let (rows, t) = piece.hits_mut(samples == Samples::ONE, work.centers);
                     self.isa.run(self.tiles(prepared, tiles, rows, t));
                 }
             });

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use serde_json::json;
 use strahl::{
     RenderOptions, Scene,
-    film::{Crop, Samples},
+    film::{Crop, SampleCount},
     render::Layer,
     scene::Origin,
     session::{Motion, Quality, Seen, View},
@@ -58,7 +58,7 @@ impl Asked {
     pub(super) fn view(&self) -> Result<View, Refusal> {
         let layer = self.layer.as_deref().unwrap_or("color").parse::<Layer>();
         let motion = self.motion.as_deref().map(motion).transpose()?;
-        let samples = self.samples.map(Samples::new).transpose();
+        let samples = self.samples.map(SampleCount::new).transpose();
         Ok(View {
             camera: self.camera.clone().filter(|name| !name.is_empty()),
             frame: self.frame,

@@ -1,6 +1,7 @@
 //! Pictures whose samples are shaded one by one: lit ones, and those with outlines.
 
 mod part;
+mod paths;
 mod sums;
 
 use std::{
@@ -18,9 +19,14 @@ use crate::{
         shadow::{Shadows, casters::Toward},
     },
     diagnostic::error::Error,
-    film::{Centers, Film, Outlines, crop::Crop, samples::Samples, size::Size},
+    film::{
+        Centers, Film, Outlines,
+        crop::Crop,
+        samples::{SampleCount, Samples},
+        size::Size,
+    },
     image_file::check_memory,
-    integrator::direct::Queries,
+    integrator::{Integrator, direct::Queries},
     render::{
         hits::{Hits, Rays},
         outlines::OutlineMask,
@@ -46,13 +52,18 @@ pub(crate) struct Shading<'a, Q> {
     pub(crate) queries: &'a Q,
     pub(crate) size: Size,
     pub(crate) samples: Samples,
+    /// The number of paths of a pixel, if it is not that of the world.
+    pub(crate) paths: Option<SampleCount>,
     pub(crate) outlines: Option<Outlines>,
     pub(crate) tone: Tone,
     pub(crate) isa: Isa,
 }
 
 /// What all parts of a picture share.
-struct State<'a> {
+struct State<'a, Q> {
+    integrator: Integrator<'a, Q>,
+    /// The number of samples of a pixel.
+    count: u32,
     /// The search for the hits of samples.
     search: &'a FirstHits<'a>,
     /// The shadows of each light, unless it casts none.
@@ -69,14 +80,32 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         if let Some(outlines) = &self.outlines {
             OutlineMask::check(outlines, self.samples)?;
         }
+        let integrator = work.watch.time(|| {
+            let is_transparent = work.resolver.is_transparent;
+            Integrator::new(self.world, self.queries, self.tone, is_transparent)
+        });
+        let lights = match &integrator {
+            // The rays of paths are all different.
+            Integrator::Path(_) => &[],
+            Integrator::Flat(_) | Integrator::Direct(_) => self.world.lights(),
+        };
         let shadows: Vec<_> = work.watch.time(|| {
             let world = (self.world, work.kept);
             let of = |light| Shadows::new(world, light, work.builder(self.isa));
-            let lights = self.world.lights().iter().enumerate();
+            let lights = lights.iter().enumerate();
             let lights = lights.map(|(number, light)| Some((number, Toward::of(light)?)));
             lights.map(|light| light.map(of)).collect()
         });
+        let count = match &integrator {
+            Integrator::Path(paths) => {
+                work.watch.time(|| self.queries.prepare());
+                self.paths.map_or(paths.samples(), SampleCount::count)
+            }
+            Integrator::Flat(_) | Integrator::Direct(_) => self.samples.count(),
+        };
         let state = State {
+            integrator,
+            count,
             search: &self.search(self.samples),
             shadows: &shadows,
             scratch: Mutex::default(),
@@ -114,7 +143,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         &self,
         columns: Range<u32>,
         (rows, chunk): (Range<u32>, u32),
-        state: &State,
+        state: &State<Q>,
         work: Work,
         take: Take,
     ) -> Result<(), Error> {
@@ -155,7 +184,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         &self,
         (columns, rows): (Range<u32>, Range<u32>),
         slab: Option<&Slab>,
-        state: &State,
+        state: &State<Q>,
         work: Work,
         take: Take,
     ) -> Result<(), Error> {
@@ -216,11 +245,16 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             }
             Ok(piece)
         };
-        work.pool.in_order(cut(rows, ROWS), AHEAD, shade, |piece| {
-            let mut film = Film::default();
-            film.push(piece?);
-            take(film)
-        })?;
+        let rows_of_piece = match state.integrator {
+            Integrator::Path(_) => 1,
+            Integrator::Flat(_) | Integrator::Direct(_) => ROWS,
+        };
+        work.pool
+            .in_order(cut(rows, rows_of_piece), AHEAD, shade, |piece| {
+                let mut film = Film::default();
+                film.push(piece?);
+                take(film)
+            })?;
         spare().extend(centers);
         spare().push(hits);
         Ok(())

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     accel::raster::first_hits::Work,
-    film::{Centers, Lit, Piece, Wanted, colors::NOTHING, light::LightPlanes, samples::Samples},
+    film::{Centers, Lit, Piece, Wanted, colors::NOTHING, light::LightPlanes},
     integrator::{
         Integrate, Integrator,
         batch::{HitRow, SampleRow, ShadeRow},
@@ -31,7 +31,7 @@ use crate::{
 /// The rows of a picture whose hits are known.
 pub(super) struct HitRows<'a, Q> {
     pub(super) shading: &'a Shading<'a, Q>,
-    pub(super) state: &'a State<'a>,
+    pub(super) state: &'a State<'a, Q>,
     pub(super) hits: &'a Hits,
     pub(super) rays: &'a Rays<'a>,
     pub(super) mask: Option<OutlineMask<'a>>,
@@ -46,13 +46,23 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     pub(super) fn piece(&self, rows: Range<u32>) -> Piece {
         let geometries = self.shading.world.ids();
         let mut piece = Piece::new(self.columns.len() as u32, rows.len() as u32, geometries);
+        let mut seen = Vec::new();
+        piece.light(self.light(rows.clone(), &mut seen));
         // With one sample, the hit of the center is all that a pixel sees.
-        if self.work.resolver.ranks && self.shading.samples != Samples::ONE {
-            self.rank(&rows, &mut piece);
+        let only_centers = match &self.state.integrator {
+            Integrator::Path(_) => false,
+            Integrator::Flat(_) | Integrator::Direct(_) => {
+                if self.work.resolver.ranks && self.state.count != 1 {
+                    self.see(&rows, &mut seen);
+                }
+                self.state.count == 1
+            }
+        };
+        if self.work.resolver.ranks && !only_centers {
+            self.rank(&seen, &mut piece);
         }
-        piece.light(self.light(rows.clone()));
         if self.work.centers != Centers::Unneeded {
-            let (ids, t) = piece.hits_mut(self.shading.samples, self.work.centers);
+            let (ids, t) = piece.hits_mut(only_centers, self.work.centers);
             let (first, width) = (self.columns.start, self.columns.len());
             let start = |row| self.centers.place(first, row);
             for (ids, row) in ids.into_iter().zip(rows.clone()) {
@@ -66,7 +76,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     }
 
     /// Returns the light of some rows of pixels.
-    fn light(&self, rows: Range<u32>) -> Lit {
+    fn light(&self, rows: Range<u32>, seen: &mut Vec<u32>) -> Lit {
         let all = || {
             let scratch = &self.state.scratch;
             scratch.lock().unwrap_or_else(PoisonError::into_inner)
@@ -77,7 +87,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             Wanted::Bytes(tone) => {
                 let mut bytes = vec![[0; 3]; rows.len() * self.columns.len()];
                 for (row, bytes) in rows.zip(bytes.chunks_mut(self.columns.len())) {
-                    self.add_up(row, &mut scratch);
+                    self.add_up(row, &mut scratch, seen);
                     self.bytes(&mut scratch.sums, tone, bytes);
                 }
                 Lit::Bytes(bytes)
@@ -85,7 +95,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             Wanted::Hits | Wanted::Light | Wanted::Parts => {
                 let mut light = LightPlanes::default();
                 for row in rows {
-                    self.add_up(row, &mut scratch);
+                    self.add_up(row, &mut scratch, seen);
                     self.append(&scratch.sums, &mut light);
                 }
                 Lit::Light(light.into())
@@ -96,13 +106,18 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     }
 
     /// Sets the geometries that the samples of each pixel see.
-    fn rank(&self, rows: &Range<u32>, piece: &mut Piece) {
-        let side = self.shading.samples.side();
+    fn rank(&self, seen: &[u32], piece: &mut Piece) {
         let first = self.shading.world.ids() as u32;
         for (pixel, number) in piece.rows_mut().into_iter().flatten().zip(first..) {
             *pixel = number;
         }
-        let mut seen = Vec::new();
+        let count = self.state.count as usize;
+        piece.resolve(self.work.resolver.resolve(seen, count));
+    }
+
+    /// Adds the geometries that the samples of some rows of pixels see.
+    fn see(&self, rows: &Range<u32>, seen: &mut Vec<u32>) {
+        let side = self.shading.samples.side();
         for row in rows.clone() {
             for column in self.columns.clone() {
                 for row in (row * side..(row + 1) * side).rev() {
@@ -111,16 +126,14 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
                 }
             }
         }
-        let count = self.shading.samples.count() as usize;
-        piece.resolve(self.work.resolver.resolve(&seen, count));
     }
 
     /// Appends the means of the samples of a row of pixels, of those that show something.
     fn append(&self, sums: &Sums, to: &mut LightPlanes) {
         let row = to.coverage.len()..to.coverage.len() + sums.hits.len();
-        let count = f64::from(self.shading.samples.count());
+        let count = f64::from(self.state.count);
         let (mut all, mut hits) = (Vec::new(), Vec::new());
-        if self.shading.samples != Samples::ONE {
+        if self.state.count != 1 {
             all.resize(row.len(), count);
             // A sum of no samples is 0.
             hits.extend(sums.hits.iter().map(|hits| f64::from((*hits).max(1))));
@@ -147,8 +160,8 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     /// Sets the bytes of a row of pixels.
     fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
         let parts = &mut sums.light.parts;
-        if self.shading.samples != Samples::ONE {
-            let count = f64::from(self.shading.samples.count());
+        if self.state.count != 1 {
+            let count = f64::from(self.state.count);
             let sums = parts.as_flattened_mut().iter_mut().flatten();
             sums.for_each(|sum| *sum /= count);
         }
@@ -168,9 +181,16 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     }
 
     /// Sums up the samples of a row of pixels.
-    fn add_up(&self, row: u32, scratch: &mut Scratch) {
+    fn add_up(&self, row: u32, scratch: &mut Scratch, seen: &mut Vec<u32>) {
         let (side, width) = (self.shading.samples.side(), self.columns.len());
-        scratch.sums.clear(width, self.shading.samples);
+        scratch.sums.clear(width, self.state.count);
+        match &self.state.integrator {
+            Integrator::Path(paths) => {
+                let Scratch { sums, lines, .. } = scratch;
+                return self.add_paths(paths, row, (sums, lines), seen);
+            }
+            Integrator::Flat(_) | Integrator::Direct(_) => {}
+        }
         // From the bottom, as the samples of a pixel are numbered.
         for row in (row * side..(row + 1) * side).rev() {
             self.shade(row, scratch);
@@ -284,12 +304,6 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             light: [r, g, b],
             others,
         });
-        let integrator = Integrator::new(
-            world,
-            shading.queries,
-            shading.tone,
-            self.work.resolver.is_transparent,
-        );
         let seen = others.each().map(|(place, shadows)| {
             let ray = self.rays.ray(left + place, line);
             let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
@@ -309,9 +323,11 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             shadows: self.state.shadows,
             known,
         };
-        integrator.shade(seen, (queue, lanes), |place, shaded| {
-            samples.set(place, shaded)
-        });
+        self.state
+            .integrator
+            .shade(seen, (queue, lanes), |place, shaded| {
+                samples.set(place, shaded)
+            });
         if let Some(mask) = &self.mask {
             // What is cancelled meanwhile is dropped.
             mask.find(row, columns, WhichNeighbor::Any, self.work.cancel, lines);

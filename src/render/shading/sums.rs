@@ -1,7 +1,7 @@
 //! The light of rows of samples, and its sums by pixel.
 
 use crate::{
-    film::{parts::LightParts, samples::Samples},
+    film::parts::LightParts,
     integrator::{
         batch::{Cache, Others},
         direct::Shaded,
@@ -47,9 +47,9 @@ pub(super) struct Sums {
 
 impl Sums {
     /// Begins a row of pixels.
-    pub(super) fn clear(&mut self, width: usize, samples: Samples) {
+    pub(super) fn clear(&mut self, width: usize, samples: u32) {
         self.light.begin(width);
-        if samples != Samples::ONE {
+        if samples != 1 {
             self.light.parts[0]
                 .iter_mut()
                 .for_each(|sums| sums.fill(0.0));

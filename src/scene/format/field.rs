@@ -11,7 +11,7 @@ use crate::{
         thing::Type,
     },
     tracer::{
-        light::source::BRIGHTEST,
+        light::{source::BRIGHTEST, transport::PathOptions},
         material::{glass::INDICES, phong::SHARPEST},
     },
 };
@@ -70,8 +70,8 @@ kinds! {
     Angle: Number in Range::Degrees(0, 180),
     /// A whole number from 1.
     Count { most: u32 }: Count in Range::From(1, most),
-    /// The number of reflections and refractions of a ray.
-    Depth: Count in Range::From(0, 64),
+    /// A whole number from 0.
+    Natural { most: u32 }: Count in Range::From(0, most),
     /// The intensity of a light.
     Intensity: Number in Range::Within(0.0, BRIGHTEST),
     /// A part of a whole, in 0..=1.
@@ -82,6 +82,8 @@ kinds! {
     Refraction: Number in Range::Within(INDICES[0], INDICES[1]),
     /// An exposure in stops.
     Stops: Number in Range::Within(-64.0, 64.0),
+    /// The largest light of a path after its first vertex.
+    Limit: Number in Range::AboveUpTo(0, PathOptions::MAX_CLAMP),
     /// The width of a line in pixels.
     Width: Number in Range::AboveUpTo(0, 100.0),
     /// A number of at least 0.

@@ -2,7 +2,10 @@
 
 use crate::{
     scene::format::{object::object, variants::variants},
-    tracer::world::Lighting,
+    tracer::{
+        light::transport::{PathOptions, Transport},
+        world::Lighting,
+    },
 };
 
 variants! {
@@ -11,6 +14,9 @@ variants! {
         /// The lights shine on surfaces directly, and mirrors and glass send rays on. Exact: there is no
         /// noise.
         Direct(DirectModel),
+        /// Light follows paths from surface to surface: soft shadows, and light that surfaces send to each
+        /// other. The picture is the mean of samples, so there is noise.
+        Path(PathModel) | PathTracing | PathTracer,
     }
 }
 
@@ -19,6 +25,15 @@ impl LightingModel {
     pub(crate) fn max_depth(&self) -> u32 {
         match self {
             Self::Direct(direct) => direct.max_depth(),
+            Self::Path(path) => path.max_depth(),
+        }
+    }
+
+    /// Returns how light goes on from surface to surface.
+    pub(crate) fn transport(&self) -> Transport {
+        match self {
+            Self::Direct(_) => Transport::Direct,
+            Self::Path(path) => Transport::Path(path.options()),
         }
     }
 }
@@ -30,6 +45,43 @@ object! {
     pub struct DirectModel = "Direct" {
         /// The largest number of reflections and refractions of a ray, 0 to 64; a ray that goes deeper
         /// sees the background. 8 is the default.
-        max_depth: Depth = Lighting::MAX_DEPTH,
+        max_depth: Natural { 64 } = Lighting::MAX_DEPTH,
+    }
+}
+
+object! {
+    /// Light follows paths from surface to surface: soft shadows, and light that surfaces send to each
+    /// other. The picture is the mean of samples, so there is noise.
+    #[derive(Default)]
+    pub struct PathModel = "Path" {
+        /// The number of paths per pixel, 1 to 1,048,576; 64 is the default. Four times as many have half
+        /// the noise; powers of 2 have the least.
+        samples | spp: Count { PathOptions::MAX_SAMPLES } = PathOptions::default().samples,
+        /// The largest number of scatterings of a path, 0 to 1024; a longer path brings no light. 32 is the
+        /// default.
+        max_depth: Natural { 1024 } = PathOptions::MAX_DEPTH,
+        /// The largest number of diffuse scatterings after the first one, 0 to 1024: 0 is the light of
+        /// `Direct` with soft shadows. Without it, there is no such limit.
+        diffuse_depth: Natural { 1024 }?,
+        /// True if light reaches surfaces through solid glass and by mirrors, as bright and noisy patches; the
+        /// default. False lets it go straight through solid glass: less noise, but not exact.
+        caustics: Flag = true,
+        /// The largest light of a path after its first surface, above 0 and at most 1e12; brighter light is
+        /// reduced to it: less noise, but not exact. Without it, there is no such limit.
+        clamp: Limit?,
+        /// The seed of the samples, 0 to 4294967295; 0 is the default.
+        seed: Natural { u32::MAX } = 0,
+    }
+}
+
+impl PathModel {
+    fn options(&self) -> PathOptions {
+        PathOptions {
+            samples: self.samples(),
+            diffuse_depth: self.diffuse_depth,
+            caustics: self.caustics(),
+            clamp: self.clamp,
+            seed: self.seed(),
+        }
     }
 }

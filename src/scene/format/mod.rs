@@ -41,7 +41,7 @@ pub use crate::scene::format::{
     field::Name,
     fit::{FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel},
     image::{ImageModel, ToneMappingModel},
-    lighting::{DirectModel, LightingModel},
+    lighting::{DirectModel, LightingModel, PathModel},
     map::Map,
     orthographic::OrthographicModel,
     outlines::OutlinesModel,

@@ -258,6 +258,7 @@ macro_rules! object {
     (@if_thing $kind:ident $then:block $($else:block)?) => { $($else)? };
 
     (@kind Count [$most:expr]) => { $crate::scene::format::field::FieldKind::Count { most: $most } };
+    (@kind Natural [$most:expr]) => { $crate::scene::format::field::FieldKind::Natural { most: $most } };
     (@kind $kind:ident $of:tt) => {
         $crate::scene::format::object::object!(
             @if $kind { $crate::scene::format::field::FieldKind::$kind } { $crate::scene::format::field::FieldKind::Fixed }
@@ -284,7 +285,7 @@ macro_rules! object {
     (@given required Scale []) => { $crate::scene::format::numbers::ScaleModel };
     (@given required Color []) => { $crate::scene::format::color::ColorModel };
     (@given required Count []) => { u32 };
-    (@given required Depth []) => { u32 };
+    (@given required Natural []) => { u32 };
     (@given required Flag []) => { bool };
     (@given required Name []) => { $crate::scene::format::field::Name };
     (@given required $kind:ident []) => { f64 };

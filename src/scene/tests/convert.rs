@@ -26,7 +26,7 @@ use crate::{
                 AmbientLightModel, DirectionalLightModel, FalloffModel, HeadlightLightModel,
                 LightModel, PointLightModel, SpotLightModel,
             },
-            lighting::{DirectModel, LightingModel},
+            lighting::{DirectModel, LightingModel, PathModel},
             map::Map,
             material::{
                 EmissiveModel, FlatModel, GlassModel, MaterialModel, MatteModel, MirrorModel,
@@ -522,7 +522,17 @@ impl Rng {
             }),
             lighting: self.maybe(|rng| {
                 let max_depth = rng.maybe(Self::side);
-                LightingModel::Direct(DirectModel { max_depth })
+                match rng.below(2) {
+                    0 => LightingModel::Direct(DirectModel { max_depth }),
+                    _ => LightingModel::Path(PathModel {
+                        max_depth,
+                        samples: rng.maybe(Self::side),
+                        diffuse_depth: rng.maybe(Self::side),
+                        caustics: rng.maybe(|rng| rng.below(2) == 0),
+                        clamp: rng.maybe(Self::number),
+                        seed: rng.maybe(Self::side),
+                    }),
+                }
             }),
             outlines: self.maybe(|rng| OutlinesModel {
                 width: rng.maybe(Self::number),

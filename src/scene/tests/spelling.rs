@@ -483,7 +483,22 @@ impl Writer {
     }
 
     fn lighting(&mut self) {
-        self.variant("Direct", &[], &[("max_depth", Self::integer)]);
+        let max_depth: Field = ("max_depth", Self::integer);
+        match self.rng.below(2) {
+            0 => self.variant("Direct", &[], &[max_depth]),
+            _ => self.variant(
+                "Path",
+                &[],
+                &[
+                    max_depth,
+                    ("samples", Self::integer),
+                    ("diffuse_depth", |this| this.nothing_or(Self::integer)),
+                    ("caustics", Self::truth),
+                    ("clamp", |this| this.nothing_or(Self::number)),
+                    ("seed", Self::integer),
+                ],
+            ),
+        }
     }
 
     fn outlines(&mut self) {

@@ -13,6 +13,7 @@ pub(crate) mod headlight;
 pub(crate) mod point;
 pub(crate) mod source;
 pub(crate) mod spot;
+pub(crate) mod transport;
 
 pub use self::{
     ambient::Ambient,
@@ -21,6 +22,7 @@ pub use self::{
     headlight::Headlight,
     point::Point,
     spot::{Cone, Spot},
+    transport::{PathOptions, Transport},
 };
 
 use glam::DVec3;

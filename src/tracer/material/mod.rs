@@ -4,6 +4,7 @@
 //! file of the material. Its `lobes` say how it sends light.
 
 pub(crate) mod binding;
+pub(crate) mod bsdf;
 pub(crate) mod emissive;
 mod flat;
 pub(crate) mod glass;

@@ -1,0 +1,536 @@
+//! The light that a ray brings back by paths: from surface to surface, in directions that the numbers of a
+//! sample choose, to all that shines (J. Kajiya, The rendering equation, 1986). At each surface that
+//! scatters, light comes from an emitter that is aimed at, and from what the next ray meets; both are
+//! weighted by the power heuristic (E. Veach, Robust Monte Carlo methods for light transport simulation,
+//! 1997, section 9.2).
+//!
+//! This file is the definition, sample by sample. It asks the questions of
+//! [`direct`](crate::integrator::direct), and meets glass and contact as that does.
+
+pub(crate) mod emitters;
+pub(crate) mod sampler;
+#[cfg(test)]
+mod tests;
+
+use std::{cell::OnceCell, f64::consts::PI, sync::Arc};
+
+use glam::DVec3;
+
+use self::{
+    emitters::{Emitter, Emitters},
+    sampler::{Purpose, Sampler},
+};
+use crate::{
+    film::parts::LightParts,
+    integrator::{
+        Integrate,
+        direct::{Queries, Shaded},
+        queue::{Lanes, Queue, Seen},
+        surface::{AtGlass, Path, Surface},
+    },
+    tracer::{
+        color::Color,
+        contact::{Crossed, Departure, Interface},
+        light::{ShadowRay, source::Source, transport::PathOptions},
+        material::{
+            bsdf::{Bsdf, Onto},
+            glass::Glass,
+        },
+        radiance::Radiance,
+        ray::Ray,
+        sampling::LocalFrame,
+        shape::face::{Crossing, FaceId},
+        world::{Lighting, World},
+    },
+};
+
+/// The vertex from which a path may end by roulette.
+const ROULETTE: u32 = 3;
+/// The largest probability of a path to go on there.
+const MOST_LIKELY: f64 = 0.95;
+
+/// A world whose light follows paths.
+#[derive(Clone, Debug)]
+pub(crate) struct PathTracer<'a, Q> {
+    world: &'a World,
+    queries: &'a Q,
+    max_depth: u32,
+    options: PathOptions,
+    emitters: Arc<Emitters>,
+    /// The light that the diffuse lobes of surfaces get along every ray that hits nothing.
+    ambient: Radiance,
+    /// The light of all headlights.
+    headlight: Radiance,
+    /// True if solid glass stops shadow rays, and there is any.
+    stops_at_solids: bool,
+    is_transparent: bool,
+}
+
+/// A path as far as it is known.
+#[derive(Clone, Copy, Debug, Default)]
+struct PathState {
+    /// The part of its light by what the first surface does: that which its diffuse lobe scatters.
+    direct: Radiance,
+    /// The part of the light along the ray that a diffuse lobe scatters.
+    diffuse: Radiance,
+    /// True once a surface has scattered light, other than a mirror or smooth glass.
+    has_scattered: bool,
+    /// True if mirrors and solid glass are all that it has met since.
+    is_caustic: bool,
+    /// The number of scatterings by diffuse lobes.
+    diffuse_depth: u32,
+    /// The light at its first vertex, and that at all others, if this is limited.
+    light: [Shaded; 2],
+    /// The first face, and the first color of the first surface other than a mirror or smooth glass.
+    first: Option<FaceId>,
+    color: Option<Color>,
+}
+
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PathSample {
+    pub(crate) light: Shaded,
+    /// The face that the camera's ray hits.
+    pub(crate) first: Option<FaceId>,
+    /// The first color of the first surface other than a mirror or smooth glass.
+    pub(crate) color: Option<Color>,
+}
+
+/// The first face on a path.
+struct Met {
+    t: f64,
+    id: FaceId,
+    /// Where rays begin that it sends back, if the path itself begins there.
+    start: Option<Departure>,
+    /// The glass there, if the path begins at it.
+    interface: Option<Interface>,
+}
+
+impl Met {
+    fn surface<'a>(&self, world: &'a World, path: &'a Path) -> Surface<'a> {
+        let start = self.start.clone();
+        Surface {
+            start: start.map_or_else(OnceCell::new, OnceCell::from),
+            ..Surface::new(world, path, self.t, self.id)
+        }
+    }
+}
+
+impl<Q: Queries> Integrate for PathTracer<'_, Q> {
+    /// Returns the mean of the samples of the pixel at the bottom left, whatever their place in it.
+    fn trace(&self, ray: &Ray) -> Shaded {
+        let sampler = |sample| Sampler::new([0, 0], sample, self.seed());
+        let samples = (0..self.samples()).map(|sample| self.sample(*ray, &sampler(sample)).light);
+        let sum = samples.fold(Shaded::default(), |sum, sample| sum + sample);
+        let count = f64::from(self.samples());
+        Shaded {
+            parts: sum.parts.map(|part| part / count),
+            behind: sum.behind / count,
+        }
+    }
+
+    fn shade<'s>(
+        &self,
+        seen: impl Iterator<Item = Seen<'s>>,
+        _: (&mut Queue, Lanes),
+        mut set: impl FnMut(usize, Shaded),
+    ) {
+        seen.for_each(|seen| set(seen.place, self.trace(&seen.ray)));
+    }
+}
+
+impl<'a, Q: Queries> PathTracer<'a, Q> {
+    /// Creates the light by paths of a world, whose background may be transparent.
+    pub(crate) fn new(
+        world: &'a World,
+        lighting: &Lighting,
+        options: PathOptions,
+        queries: &'a Q,
+        is_transparent: bool,
+    ) -> Self {
+        let sum = |is_it: fn(Source) -> bool| {
+            let lights = lighting.lights.iter().filter(|light| is_it(light.source()));
+            let light = lights.map(|light| light.glow().radiance());
+            light.fold(Radiance::BLACK, |sum, light| sum + light)
+        };
+        Self {
+            world,
+            queries,
+            max_depth: lighting.max_depth,
+            options,
+            emitters: Emitters::new(world).into(),
+            ambient: sum(|source| matches!(source, Source::Everywhere)),
+            headlight: sum(|source| matches!(source, Source::Viewer)),
+            stops_at_solids: options.caustics && world.has_solid_glass(),
+            is_transparent,
+        }
+    }
+
+    /// The number of samples of a pixel.
+    pub(crate) fn samples(&self) -> u32 {
+        self.options.samples()
+    }
+
+    /// The seed of all samples.
+    pub(crate) const fn seed(&self) -> u32 {
+        self.options.seed
+    }
+
+    /// Returns a sample along a camera's ray.
+    pub(crate) fn sample(&self, ray: Ray, sampler: &Sampler) -> PathSample {
+        let mut path = Path::new(ray);
+        let mut state = PathState {
+            direct: Radiance::WHITE,
+            ..PathState::default()
+        };
+        while let Some(next) = self.step(path, &mut state, sampler) {
+            path = next;
+        }
+        let [first, mut later] = state.light;
+        if let Some(clamp) = self.options.clamp {
+            let most = later.parts.sum().max_channel();
+            if most > clamp {
+                later.parts = later.parts.map(|part| part * (clamp / most));
+            }
+        }
+        PathSample {
+            light: first + later,
+            first: state.first,
+            color: state.color,
+        }
+    }
+
+    /// Adds the light at the end of a ray, and returns how the path goes on.
+    fn step(&self, mut path: Path, state: &mut PathState, sampler: &Sampler) -> Option<Path> {
+        let Some(met) = self.meet(&mut path) else {
+            self.escape(&path, state);
+            return None;
+        };
+        let surface = met.surface(self.world, &path);
+        state.first.get_or_insert(met.id);
+        match met.interface {
+            Some(interface) => self.interface(&surface, &interface, state, sampler),
+            None => self.surface(&surface, state, sampler),
+        }
+    }
+
+    /// Returns what a path meets first, once it is known on how many faces it begins.
+    fn meet(&self, path: &mut Path) -> Option<Met> {
+        loop {
+            if let Some(start) = &path.start {
+                let (id, interface) = match start.crossed(self.world, path.ray.direction()) {
+                    Crossed::Nothing => (None, None),
+                    Crossed::Opaque(id) => (Some(id), None),
+                    Crossed::Glass(interface) => (Some(interface.face), Some(interface)),
+                };
+                if let Some(id) = id {
+                    let start = Some(start.on(id));
+                    return Some(Met {
+                        t: 0.0,
+                        id,
+                        start,
+                        interface,
+                    });
+                }
+            }
+            match self.queries.nearest(&path.ray, path.start.as_ref()) {
+                Ok(found) => {
+                    let (geometry, Crossing { t, face }) = found?;
+                    let id = FaceId { geometry, face };
+                    return Some(Met {
+                        t,
+                        id,
+                        start: None,
+                        interface: None,
+                    });
+                }
+                Err(contact) => {
+                    let contact = Some(Arc::new(contact));
+                    path.start = path.start.as_ref().map(|start| start.with(contact));
+                }
+            }
+        }
+    }
+
+    /// Adds the light of a ray that hits nothing.
+    fn escape(&self, path: &Path, state: &mut PathState) {
+        let beta = path.factor;
+        self.add(state, path, beta * state.diffuse * self.ambient);
+        let sharp = beta * (Radiance::WHITE - state.diffuse);
+        if !self.is_transparent {
+            self.add(state, path, sharp * self.world.background().to_linear());
+        } else if path.depth > 0 {
+            state.light[0].behind = state.light[0].behind + sharp;
+        }
+    }
+
+    /// Adds light of a path.
+    fn add(&self, state: &mut PathState, path: &Path, light: Radiance) {
+        let limited = usize::from(self.options.clamp.is_some() && path.depth > 0);
+        let sum = &mut state.light[limited];
+        let direct = light * state.direct;
+        let specular = light * (Radiance::WHITE - state.direct);
+        sum.parts = sum.parts + LightParts { direct, specular };
+    }
+
+    /// Returns true if a path shows only what surfaces emit.
+    fn is_exhausted(&self, path: &Path, state: &PathState) -> bool {
+        let diffuse_depth = self.options.diffuse_depth;
+        path.depth >= self.max_depth
+            || diffuse_depth.is_some_and(|depth| state.diffuse_depth > depth)
+    }
+
+    /// Adds the light of a surface, and returns how the path goes on.
+    fn surface(&self, surface: &Surface, state: &mut PathState, sampler: &Sampler) -> Option<Path> {
+        let path = surface.path;
+        let material = surface.hit.material();
+        let lobes = material.lobes();
+        if let Some(emission) = lobes.emission {
+            state.color.get_or_insert_with(|| material.color());
+            self.add(state, path, path.factor * emission.radiance());
+            return None;
+        }
+        if let Some(glass) = lobes.interface {
+            return self.glass(surface, *glass, state, sampler);
+        }
+        let bsdf = Bsdf::new(&lobes);
+        if !bsdf.is_mirror() {
+            state.color.get_or_insert_with(|| material.color());
+        }
+        if self.is_exhausted(path, state) {
+            return None;
+        }
+        let mirrored = |state: &mut PathState, factor| {
+            self.sharpen(state, path);
+            state.is_caustic |= state.has_scattered;
+            let factor = path.factor * factor;
+            let onward = || self.onward(surface, surface.mirrored(), factor);
+            (factor != Radiance::BLACK).then(onward)
+        };
+        if bsdf.is_mirror() {
+            return mirrored(state, bsdf.mirror());
+        }
+        let depth = path.depth;
+        let frame = LocalFrame::new(surface.n);
+        let [which, lobe] = sampler.at(depth, Purpose::Choice);
+        self.shine(surface, (&bsdf, &frame), state, which);
+        let l = match bsdf.sample(lobe, sampler.at(depth, Purpose::Direction)) {
+            Onto::Mirror(factor) => return mirrored(state, factor),
+            Onto::Direction(l, is_diffuse) => {
+                state.diffuse_depth += u32::from(is_diffuse);
+                l
+            }
+        };
+        let scattering = bsdf.from(l);
+        let mut factor = path.factor * scattering.all / scattering.density;
+        if scattering.density <= 0.0 || factor == Radiance::BLACK {
+            return None;
+        }
+        if depth >= ROULETTE {
+            let goes_on = factor.max_channel().min(MOST_LIKELY);
+            let [u, _] = sampler.at(depth, Purpose::Roulette);
+            if u >= goes_on {
+                return None;
+            }
+            factor = factor / goes_on;
+        }
+        let share = scattering.diffuse_share();
+        if depth == 0 {
+            state.direct = share;
+        }
+        state.diffuse = share;
+        state.has_scattered = true;
+        state.is_caustic = false;
+        Some(self.onward(surface, frame.outward(l), factor))
+    }
+
+    /// Adds the light of an emitter that is chosen by a number, and of the headlights.
+    fn shine(
+        &self,
+        surface: &Surface,
+        (bsdf, frame): (&Bsdf, &LocalFrame),
+        state: &mut PathState,
+        u: f64,
+    ) {
+        let path = surface.path;
+        if !state.has_scattered && self.headlight != Radiance::BLACK {
+            let scattering = bsdf.from(frame.inward(surface.v));
+            let light = path.factor * scattering.all * PI * self.headlight;
+            self.add_scattered(state, path, scattering.diffuse_share(), light);
+        }
+        let point = surface.hit.point;
+        let Some((emitter, probability)) = self.emitters.choose(point, u) else {
+            return;
+        };
+        match emitter {
+            Emitter::Light(light) => {
+                let arriving = light.arriving(point, surface.v);
+                let Some((arriving, from)) = arriving.and_then(|it| Some((it, it.from?))) else {
+                    return;
+                };
+                let scattering = bsdf.from(frame.inward(from.l));
+                if scattering.all == Radiance::BLACK {
+                    return;
+                }
+                let transmission = match from.shadow {
+                    Some(shadow) => self.transmission(surface, shadow),
+                    None => Radiance::WHITE,
+                };
+                let light = path.factor * scattering.all * PI * arriving.radiance;
+                let light = light * transmission / probability;
+                self.add_scattered(state, path, scattering.diffuse_share(), light);
+            }
+        }
+    }
+
+    /// Adds light that a surface scatters, of which its diffuse lobe scatters a part.
+    fn add_scattered(
+        &self,
+        state: &mut PathState,
+        path: &Path,
+        diffuse: Radiance,
+        light: Radiance,
+    ) {
+        let direct = state.direct;
+        if path.depth == 0 {
+            state.direct = diffuse;
+        }
+        self.add(state, path, light);
+        state.direct = direct;
+    }
+
+    /// Returns where rays begin that a surface sends back.
+    fn start<'s>(&self, surface: &'s Surface) -> &'s Departure {
+        let (own, ray) = (surface.own(), &surface.path.ray);
+        let start = || self.queries.start(own, ray, surface.hit.t);
+        surface.start.get_or_init(start)
+    }
+
+    /// Returns the ray that a surface sends back, with the part of its light that arrives at the camera.
+    fn onward(&self, surface: &Surface, direction: DVec3, factor: Radiance) -> Path {
+        Path {
+            ray: Ray::new(surface.hit.point, direction),
+            start: Some(self.start(surface).clone()),
+            depth: surface.path.depth + 1,
+            factor,
+        }
+    }
+
+    /// Notes that a mirror or smooth glass sends a path on.
+    fn sharpen(&self, state: &mut PathState, path: &Path) {
+        if path.depth == 0 {
+            state.direct = Radiance::BLACK;
+        }
+        state.diffuse = Radiance::BLACK;
+    }
+
+    /// Returns the part of the light that comes through on a shadow ray.
+    fn transmission(
+        &self,
+        surface: &Surface,
+        ShadowRay { direction, t_max }: ShadowRay,
+    ) -> Radiance {
+        let start = self.start(surface);
+        let ray = Ray::new(surface.hit.point, direction);
+        match self.stops_at_solids {
+            true => self.through_panes(ray, t_max, start.clone()),
+            false => self.queries.transmission(&ray, t_max, start),
+        }
+    }
+
+    /// The same if panes are all that light goes through.
+    fn through_panes(&self, ray: Ray, mut t_max: f64, start: Departure) -> Radiance {
+        let mut path = Path {
+            start: Some(start),
+            ..Path::new(ray)
+        };
+        loop {
+            let Some(met) = self.meet(&mut path).filter(|met| met.t < t_max) else {
+                return path.factor;
+            };
+            let surface = met.surface(self.world, &path);
+            let glass = surface.hit.material().glass().copied();
+            let (surface, interface) = match (met.interface, glass) {
+                (Some(interface), _) => (surface, interface),
+                (None, None) => return Radiance::BLACK,
+                (None, Some(glass)) => {
+                    let start = self.queries.known(self.start(&surface));
+                    match surface.at_glass(self.world, start, glass) {
+                        AtGlass::Interface(surface, interface) => (surface, interface),
+                        AtGlass::Opaque(_) => return Radiance::BLACK,
+                        AtGlass::Nothing(start) => {
+                            t_max -= met.t;
+                            path = surface.straight(Radiance::WHITE, &start).path;
+                            continue;
+                        }
+                    }
+                }
+            };
+            if !interface.is_pane && !interface.is_joint() {
+                return Radiance::BLACK;
+            }
+            t_max -= met.t;
+            let factor = interface.passes(surface.hit, &path.ray);
+            path = surface.straight(factor, self.start(&surface)).path;
+        }
+    }
+
+    /// Returns how a path goes on through glass, or what meets it at its point.
+    fn glass(
+        &self,
+        surface: &Surface,
+        glass: Glass,
+        state: &mut PathState,
+        sampler: &Sampler,
+    ) -> Option<Path> {
+        let start = self.queries.known(self.start(surface));
+        match surface.at_glass(self.world, start, glass) {
+            AtGlass::Interface(surface, interface) => {
+                self.interface(&surface, &interface, state, sampler)
+            }
+            AtGlass::Opaque(surface) => self.surface(&surface, state, sampler),
+            AtGlass::Nothing(start) => Some(surface.straight(Radiance::WHITE, &start).path),
+        }
+    }
+
+    /// Returns how a path goes on at a surface between two media.
+    fn interface(
+        &self,
+        surface: &Surface,
+        interface: &Interface,
+        state: &mut PathState,
+        sampler: &Sampler,
+    ) -> Option<Path> {
+        let (path, color) = (surface.path, interface.color());
+        let start = self.start(surface);
+        if interface.is_joint() {
+            return Some(surface.straight(color, start).path);
+        }
+        let fresnel = interface.fresnel(surface.n.dot(surface.v));
+        let [_, u] = sampler.at(path.depth, Purpose::Choice);
+        let is_reflected = u < fresnel.reflected;
+        let is_straight = interface.is_pane && !is_reflected;
+        // The light of an emitter that is aimed at through a pane needs the half that is found by chance.
+        if self.is_exhausted(path, state) && !(is_straight && state.has_scattered) {
+            return None;
+        }
+        let diffuse = state.diffuse;
+        self.sharpen(state, path);
+        if is_straight {
+            state.diffuse = diffuse;
+            let direction = path.ray.direction();
+            return Some(
+                surface
+                    .onward(direction, color, start.through(direction))
+                    .path,
+            );
+        }
+        state.is_caustic |= state.has_scattered && !interface.is_pane;
+        if is_reflected {
+            return Some(self.onward(surface, surface.mirrored(), path.factor));
+        }
+        let through = start.through(path.ray.direction());
+        let onward = surface.onward(surface.refracted(&fresnel), color, through);
+        Some(onward.path)
+    }
+}
