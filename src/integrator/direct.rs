@@ -5,7 +5,7 @@
 //! world, [`Queries`]. The plain loops of [`World`] define the answers; `accel/` finds the same ones
 //! sooner. What happens where surfaces meet is that of [`contact`](crate::tracer::contact).
 
-use std::{cell::OnceCell, ops::Add, sync::Arc};
+use std::{cell::OnceCell, f64::consts::PI, ops::Add, sync::Arc};
 
 use glam::DVec3;
 
@@ -21,11 +21,13 @@ use crate::{
         contact::{Contact, Crossed, Departure, Interface},
         light::{Arriving, Light, ShadowRay},
         material::{
+            bsdf::Bsdf,
             glass::Glass,
             lobes::{Highlight, Lobes},
         },
         radiance::Radiance,
         ray::Ray,
+        sampling::LocalFrame,
         shape::face::{Crossing, FaceId},
         tone::Tone,
         world::{Lighting, World},
@@ -328,6 +330,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             emission,
             diffuse,
             highlight,
+            layered,
             mirror,
             interface,
         } = lobes;
@@ -335,7 +338,9 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         if let Some(emission) = emission {
             shaded.parts.direct = emission.radiance();
         }
-        if lobes.scatters() {
+        if layered.is_some() {
+            shaded.parts.direct = self.layered(surface, &lobes, onward);
+        } else if lobes.scatters() {
             let scattered = self.scattered(surface, diffuse, highlight);
             shaded.parts.direct = shaded.parts.direct + scattered;
         }
@@ -374,6 +379,29 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         };
         let color = highlight.map(|highlight| highlight.color);
         part(diffuse, irradiance) + part(color, highlights)
+    }
+
+    /// Returns the light of all lights that metal or a coated surface scatters, and adds the ray whose light it reflects: a
+    /// sharp one, with all of the light that arrives around its direction.
+    fn layered(&self, surface: &Surface, lobes: &Lobes, onward: &mut Vec<Onward>) -> Radiance {
+        let frame = LocalFrame::new(surface.n);
+        let bsdf = Bsdf::new(lobes, frame.inward(surface.v));
+        let mut sum = Radiance::BLACK;
+        for (number, light) in self.lighting.lights.iter().enumerate() {
+            let Some((radiance, l)) = self.arriving(surface, number, light) else {
+                continue;
+            };
+            let scattered = match l {
+                None => bsdf.diffuse_part() * radiance,
+                Some(l) => bsdf.from(frame.inward(l)).all * PI * radiance,
+            };
+            self.term("light", "π·f·I", Value::Light(scattered));
+            sum = sum + scattered;
+        }
+        self.queries.tell(Step::Summed);
+        self.term("scattered", "Σ π·f·I", Value::Light(sum));
+        self.reflect(surface, bsdf.reflected_part(), onward);
+        sum
     }
 
     /// Returns Σ I, the sum of the light that arrives from all lights, in the order of the file,

@@ -166,6 +166,9 @@ impl Printer {
             for (key, _, bound) in bounds(range) {
                 node[key] = bound;
             }
+            if let Range::ZeroOr(low, _) = range {
+                node["anyOf"] = json!([{"const": 0}, {"minimum": low}]);
+            }
         }
         node
     }
@@ -358,6 +361,8 @@ pub(crate) fn bounds(range: Range) -> Vec<(&'static str, &'static str, Value)> {
         Range::Degrees(low, high) => vec![above(low), below(json!(high))],
         Range::From(low, high) => vec![least(json!(low)), most(json!(high))],
         Range::Within(low, high) => vec![least(json!(low)), most(json!(high))],
+        // What lies between is excluded beside these.
+        Range::ZeroOr(_, high) => vec![least(json!(0)), most(json!(high))],
         Range::AboveUpTo(low, high) => vec![above(low), most(json!(high))],
         Range::AtLeast(low) => vec![least(json!(low))],
         Range::FromToBelow(low, high) => vec![least(json!(low)), below(json!(high))],

@@ -389,7 +389,7 @@ impl Interface {
 
     /// Returns the part of the light on a shadow ray that comes through: as if it came from outside, or
     /// out of the thinner of two glasses.
-    pub(crate) fn passes(&self, hit: Hit, ray: &Ray) -> Radiance {
+    fn passes(&self, hit: Hit, ray: &Ray) -> Radiance {
         let cosine = unit(ray.direction()).dot(hit.normal).abs();
         // A direction so short that its square is 0 has no angle.
         let cosine = if cosine.is_nan() { 1.0 } else { cosine };

@@ -124,6 +124,7 @@ impl SurfaceKind {
             emission,
             diffuse,
             highlight,
+            layered: _,
             mirror: _,
             interface: _,
         } = lobes;

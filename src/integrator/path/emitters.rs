@@ -1,29 +1,80 @@
 //! The emitters that paths aim at, and the choice of one at a point.
 
-use std::f64::consts::PI;
+use std::{collections::HashMap, f64::consts::PI};
 
 use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::tracer::{
-    light::{Light, source::Source},
+    contact::Departure,
+    geometry::Geometry,
+    light::{
+        Light,
+        falloff::END,
+        source::{LightSize, Source},
+    },
+    radiance::Radiance,
+    ray::Ray,
+    sampling::UnitPair,
+    shape::{
+        face::{FaceId, Leaving},
+        target::{AimedAt, ConeOfDirections, Target, to_ball},
+    },
+    vector::unit,
     world::World,
 };
 
 /// The number of emitters whose sums need no memory of their own.
 const FEW: usize = 16;
+/// The part of the way to a curved face by which the point that a ray meets may lie before the one that it
+/// was aimed at: 2⁻²⁰.
+const NEAR: f64 = 1.0 / (1 << 20) as f64;
 
-/// Everything that paths aim at: lights, in file order.
+/// Everything that paths aim at: lights, in file order, then faces that shine.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Emitters {
     all: Vec<Emitter>,
+    /// The numbers of the emitters that faces are.
+    faces: HashMap<FaceId, usize>,
 }
 
 /// Something that paths aim at.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Emitter {
-    /// A light without size.
+enum Emitter {
+    /// A light, which may have a size.
     Light(Light),
+    /// Faces that shine: one, or all of a capsule.
+    Faces {
+        target: Target,
+        first: FaceId,
+        count: u64,
+        /// The largest channel of their light.
+        brightest: f64,
+    },
+}
+
+/// A direction to an emitter, and its light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aimed {
+    /// The unit vector.
+    pub(super) l: DVec3,
+    /// The light that comes along it: radiance, or that of [`Light::arriving`] without a size.
+    pub(super) light: Radiance,
+    /// The ray of its shadows, if it casts any.
+    pub(super) shadow: Option<(DVec3, f64)>,
+    /// The density of the direction; `None` without a size.
+    pub(super) density: Option<f64>,
+    /// True if rays that are not aimed may find it, too.
+    pub(super) is_found: bool,
+}
+
+/// An emitter that a ray meets, and its light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passing {
+    pub(super) number: usize,
+    pub(super) light: Radiance,
+    /// The density of the direction from the point that paths aim from.
+    pub(super) density: f64,
 }
 
 impl Emitters {
@@ -33,26 +84,238 @@ impl Emitters {
             Source::Everywhere | Source::Viewer => false,
             Source::Direction(_) | Source::Point { .. } => true,
         });
-        Self {
+        let mut emitters = Self {
             all: lights.copied().map(Emitter::Light).collect(),
+            faces: HashMap::new(),
+        };
+        for (index, geometry) in world.geometries().iter().enumerate() {
+            emitters.add(world, index, geometry);
+        }
+        emitters
+    }
+
+    /// Adds the faces of a geometry that shine.
+    fn add(&mut self, world: &World, geometry: usize, of: &Geometry) {
+        if of.materials().all(|material| material.lamp().is_none()) {
+            return;
+        }
+        of.shape().each_target(&mut |face, count, target| {
+            let first = FaceId { geometry, face };
+            // Where the vertices of a mesh determine colors, the middle counts.
+            let normal = target.normal().unwrap_or(DVec3::X);
+            let ray = Ray::new(target.middle() + normal, -normal);
+            let material = world.hit_on(&ray, 1.0, first).material();
+            let light = material.lamp().map(|lamp| lamp.radiance().max_channel());
+            let Some(brightest) = light.filter(|light| *light > 0.0) else {
+                return;
+            };
+            for face in face..face + count {
+                self.faces.insert(FaceId { geometry, face }, self.all.len());
+            }
+            self.all.push(Emitter::Faces {
+                target,
+                first,
+                count,
+                brightest,
+            });
+        });
+    }
+
+    /// Returns the weights of all at a point and their sums in the order of the list.
+    fn weights(&self, point: DVec3) -> SmallVec<[[f64; 2]; FEW]> {
+        let mut sum = 0.0;
+        let with_sum = |emitter: &Emitter| {
+            let weight = emitter.weight(point);
+            sum += weight;
+            [weight, sum]
+        };
+        self.all.iter().map(with_sum).collect()
+    }
+
+    /// Chooses an emitter for a point by a number: it and its probability, which is in proportion to the
+    /// irradiance that it may bring. `None` if none brings any.
+    pub(super) fn choose(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
+        let weights = self.weights(point);
+        let [_, sum] = *weights.last().filter(|[_, sum]| *sum > 0.0)?;
+        let place = weights.partition_point(|[_, before]| *before <= u * sum);
+        let [weight, _] = weights.get(place)?;
+        Some((place, weight / sum))
+    }
+
+    /// Returns the probability of an emitter.
+    pub(super) fn probability(&self, point: DVec3, number: usize) -> f64 {
+        let weights = self.weights(point);
+        match (weights.get(number), weights.last()) {
+            (Some([weight, _]), Some([_, sum])) if *sum > 0.0 => weight / sum,
+            _ => 0.0,
         }
     }
 
-    /// Chooses an emitter for a point by a number: with its probability, which is in proportion to the
-    /// irradiance that it may bring. `None` if none brings any.
-    pub(super) fn choose(&self, point: DVec3, u: f64) -> Option<(&Emitter, f64)> {
-        let mut sum = 0.0;
-        let weights = self.all.iter().map(|emitter| emitter.weight(point));
-        let weights: SmallVec<[f64; FEW]> = weights.collect();
-        let sums = weights.iter().map(|weight| {
-            sum += weight;
-            sum
-        });
-        let sums: SmallVec<[f64; FEW]> = sums.collect();
-        let sum = sums.last().copied().filter(|sum| *sum > 0.0)?;
-        let place = sums.partition_point(|before| *before <= u * sum);
-        Some((self.all.get(place)?, weights[place] / sum))
+    /// Returns a direction from a surface to an emitter.
+    pub(super) fn aim(
+        &self,
+        world: &World,
+        number: usize,
+        (point, start): (DVec3, &Departure),
+        pair: UnitPair,
+    ) -> Option<Aimed> {
+        match &self.all[number] {
+            Emitter::Light(light) => aim_at_light(light, point, pair),
+            Emitter::Faces {
+                target,
+                first,
+                count,
+                ..
+            } => {
+                let AimedAt {
+                    l,
+                    distance,
+                    density,
+                } = target.sample(point, pair)?;
+                let ray = Ray::new(point, l);
+                let mut id = *first;
+                let t_max = match target {
+                    Target::Flat(_) => distance * END,
+                    Target::Ball { .. } | Target::Side { .. } | Target::Capsule { .. } => {
+                        let shape = world.geometries()[first.geometry].shape();
+                        let leaving = Leaving::of(start.left(), first.geometry);
+                        let met = shape.meet(&ray, leaving, f64::INFINITY)?;
+                        let is_it = (first.face..first.face + count).contains(&met.face);
+                        if !is_it || (met.t - distance).abs() > NEAR * distance {
+                            return None;
+                        }
+                        id.face = met.face;
+                        met.t
+                    }
+                };
+                let material = world.hit_on(&ray, distance, id).material();
+                Some(Aimed {
+                    l,
+                    light: material.lamp()?.radiance(),
+                    shadow: Some((l, t_max)),
+                    density: Some(density),
+                    is_found: true,
+                })
+            }
+        }
     }
+
+    /// Returns the emitter that a face is, and the density of the direction from a point to one on it.
+    pub(super) fn of_face(
+        &self,
+        face: FaceId,
+        (at, normal): (DVec3, DVec3),
+        from: DVec3,
+    ) -> Option<(usize, f64)> {
+        let number = *self.faces.get(&face)?;
+        match &self.all[number] {
+            Emitter::Faces { target, .. } => Some((number, target.density(from, at, normal))),
+            Emitter::Light(_) => None,
+        }
+    }
+
+    /// Calls `see` with each light of a size that a ray passes before a distance; paths aim at it from a
+    /// point.
+    pub(super) fn each_passed(
+        &self,
+        ray: &Ray,
+        (from, distance): (DVec3, f64),
+        mut see: impl FnMut(Passing),
+    ) {
+        for (number, emitter) in self.all.iter().enumerate() {
+            let Emitter::Light(light) = emitter else {
+                continue;
+            };
+            let Some((size, radiance)) = light_of_size(light, from).filter(|_| light.shadows())
+            else {
+                continue;
+            };
+            let l = unit(ray.direction());
+            let is_passed = match size {
+                LightExtent::Ball(center, radius) => {
+                    let to = center - ray.origin();
+                    let along = to.dot(l);
+                    let across = to - along * l;
+                    let half = radius * radius - across.dot(across);
+                    let is_outside = to.dot(to) > radius * radius;
+                    is_outside && along > 0.0 && half >= 0.0 && along - half.sqrt() < distance
+                }
+                LightExtent::Cone(cone) => distance == f64::INFINITY && cone.holds(l),
+            };
+            if is_passed {
+                let density = size.cone(from).map_or(0.0, |cone| cone.density());
+                see(Passing {
+                    number,
+                    light: radiance,
+                    density,
+                });
+            }
+        }
+    }
+}
+
+/// The extent of a light of a size.
+#[derive(Clone, Copy, Debug)]
+enum LightExtent {
+    Ball(DVec3, f64),
+    Cone(ConeOfDirections),
+}
+
+impl LightExtent {
+    /// Returns the directions to it from a point.
+    fn cone(&self, point: DVec3) -> Option<ConeOfDirections> {
+        match self {
+            Self::Ball(center, radius) => ConeOfDirections::of_ball(point, *center, *radius),
+            Self::Cone(cone) => Some(*cone),
+        }
+    }
+}
+
+/// Returns the extent of a light and its radiance for a point; `None` without a size, and inside of it.
+fn light_of_size(light: &Light, point: DVec3) -> Option<(LightExtent, Radiance)> {
+    let arriving = light.arriving(point, DVec3::Z)?.radiance;
+    match (light.size(), light.source()) {
+        (LightSize::Ball(radius), Source::Point { position, .. }) => {
+            let to = position - point;
+            let squared = to.dot(to) / (radius * radius);
+            (squared > 1.0).then_some((LightExtent::Ball(position, radius), arriving * squared))
+        }
+        (LightSize::Disc(sin_squared), Source::Direction(to_light)) => {
+            let cone = ConeOfDirections::new(unit(to_light), sin_squared);
+            Some((LightExtent::Cone(cone), arriving / sin_squared))
+        }
+        _ => None,
+    }
+}
+
+/// Returns a direction to a light.
+fn aim_at_light(light: &Light, point: DVec3, pair: UnitPair) -> Option<Aimed> {
+    if light.size() == LightSize::None {
+        let arriving = light.arriving(point, DVec3::Z)?;
+        let from = arriving.from?;
+        return Some(Aimed {
+            l: from.l,
+            light: arriving.radiance,
+            shadow: from.shadow.map(|ray| (ray.direction, ray.t_max)),
+            density: None,
+            is_found: false,
+        });
+    }
+    let (size, radiance) = light_of_size(light, point)?;
+    let cone = size.cone(point)?;
+    let density = Some(cone.density()).filter(|density| density.is_finite())?;
+    let l = cone.sample(pair);
+    let t_max = match size {
+        LightExtent::Ball(center, radius) => to_ball((center - point, radius), l) * END,
+        LightExtent::Cone(_) => f64::INFINITY,
+    };
+    Some(Aimed {
+        l,
+        light: radiance,
+        shadow: light.shadows().then_some((l, t_max)),
+        density: Some(density),
+        is_found: light.shadows(),
+    })
 }
 
 impl Emitter {
@@ -60,9 +323,20 @@ impl Emitter {
     /// channel.
     fn weight(&self, point: DVec3) -> f64 {
         let weight = match self {
-            Self::Light(light) => light
-                .arriving(point, DVec3::Z)
-                .map_or(0.0, |arriving| PI * arriving.radiance.max_channel()),
+            Self::Light(light) => {
+                let is_inside = match (light.size(), light.source()) {
+                    (LightSize::Ball(radius), Source::Point { position, .. }) => {
+                        let to = position - point;
+                        to.dot(to) <= radius * radius
+                    }
+                    _ => false,
+                };
+                let arriving = light.arriving(point, DVec3::Z).filter(|_| !is_inside);
+                arriving.map_or(0.0, |arriving| PI * arriving.radiance.max_channel())
+            }
+            Self::Faces {
+                target, brightest, ..
+            } => brightest * target.weight(point),
         };
         match weight.is_finite() {
             true => weight,

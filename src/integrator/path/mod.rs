@@ -17,7 +17,7 @@ use std::{cell::OnceCell, f64::consts::PI, sync::Arc};
 use glam::DVec3;
 
 use self::{
-    emitters::{Emitter, Emitters},
+    emitters::Emitters,
     sampler::{Purpose, Sampler},
 };
 use crate::{
@@ -31,7 +31,7 @@ use crate::{
     tracer::{
         color::Color,
         contact::{Crossed, Departure, Interface},
-        light::{ShadowRay, source::Source, transport::PathOptions},
+        light::{source::Source, transport::PathOptions},
         material::{
             bsdf::{Bsdf, Onto},
             glass::Glass,
@@ -73,6 +73,9 @@ struct PathState {
     direct: Radiance,
     /// The part of the light along the ray that a diffuse lobe scatters.
     diffuse: Radiance,
+    /// The point at which the ray was scattered and the density of its direction; `None` if it is that of the
+    /// camera, a mirror or smooth glass.
+    last: Option<(DVec3, f64)>,
     /// True once a surface has scattered light, other than a mirror or smooth glass.
     has_scattered: bool,
     /// True if mirrors and solid glass are all that it has met since.
@@ -97,7 +100,7 @@ pub(crate) struct PathSample {
 }
 
 /// The first face on a path.
-struct Met {
+struct FirstFace {
     t: f64,
     id: FaceId,
     /// Where rays begin that it sends back, if the path itself begins there.
@@ -106,7 +109,7 @@ struct Met {
     interface: Option<Interface>,
 }
 
-impl Met {
+impl FirstFace {
     fn surface<'a>(&self, world: &'a World, path: &'a Path) -> Surface<'a> {
         let start = self.start.clone();
         Surface {
@@ -203,9 +206,11 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     /// Adds the light at the end of a ray, and returns how the path goes on.
     fn step(&self, mut path: Path, state: &mut PathState, sampler: &Sampler) -> Option<Path> {
         let Some(met) = self.meet(&mut path) else {
+            self.pass(&path, f64::INFINITY, state);
             self.escape(&path, state);
             return None;
         };
+        self.pass(&path, met.t * path.ray.direction().length(), state);
         let surface = met.surface(self.world, &path);
         state.first.get_or_insert(met.id);
         match met.interface {
@@ -215,7 +220,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     }
 
     /// Returns what a path meets first, once it is known on how many faces it begins.
-    fn meet(&self, path: &mut Path) -> Option<Met> {
+    fn meet(&self, path: &mut Path) -> Option<FirstFace> {
         loop {
             if let Some(start) = &path.start {
                 let (id, interface) = match start.crossed(self.world, path.ray.direction()) {
@@ -225,7 +230,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
                 };
                 if let Some(id) = id {
                     let start = Some(start.on(id));
-                    return Some(Met {
+                    return Some(FirstFace {
                         t: 0.0,
                         id,
                         start,
@@ -237,7 +242,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
                 Ok(found) => {
                     let (geometry, Crossing { t, face }) = found?;
                     let id = FaceId { geometry, face };
-                    return Some(Met {
+                    return Some(FirstFace {
                         t,
                         id,
                         start: None,
@@ -273,6 +278,42 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         sum.parts = sum.parts + LightParts { direct, specular };
     }
 
+    /// Returns true if no emitter shows in a path: light gets to the last surface that scatters by shadow rays
+    /// alone.
+    fn is_unseen(&self, state: &PathState) -> bool {
+        state.is_caustic && !self.options.caustics
+    }
+
+    /// Returns the weight of light that a path finds, given the emitter that is aimed at from a point and the
+    /// density of the direction, if it is (the power heuristic).
+    fn weight(
+        &self,
+        state: &PathState,
+        emitter: impl FnOnce(DVec3) -> Option<(usize, f64)>,
+    ) -> f64 {
+        let Some((from, q)) = state.last else {
+            return 1.0;
+        };
+        let Some((number, density)) = emitter(from) else {
+            return 1.0;
+        };
+        let p = self.emitters.probability(from, number) * density;
+        q * q / (q * q + p * p)
+    }
+
+    /// Adds the light of emitters that a ray passes before a distance, other than a camera's ray.
+    fn pass(&self, path: &Path, distance: f64, state: &mut PathState) {
+        if path.depth == 0 || self.is_unseen(state) {
+            return;
+        }
+        let from = state.last.map_or(path.ray.origin(), |(from, _)| from);
+        self.emitters
+            .each_passed(&path.ray, (from, distance), |passing| {
+                let weight = self.weight(state, |_| Some((passing.number, passing.density)));
+                self.add(state, path, path.factor * weight * passing.light);
+            });
+    }
+
     /// Returns true if a path shows only what surfaces emit.
     fn is_exhausted(&self, path: &Path, state: &PathState) -> bool {
         let diffuse_depth = self.options.diffuse_depth;
@@ -287,13 +328,21 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let lobes = material.lobes();
         if let Some(emission) = lobes.emission {
             state.color.get_or_insert_with(|| material.color());
-            self.add(state, path, path.factor * emission.radiance());
+            let is_lamp = material.lamp().is_some();
+            if !(is_lamp && self.is_unseen(state)) {
+                let weight = self.weight(state, |from| {
+                    let at = (surface.hit.point, surface.n);
+                    self.emitters.of_face(surface.own(), at, from)
+                });
+                self.add(state, path, path.factor * weight * emission.radiance());
+            }
             return None;
         }
         if let Some(glass) = lobes.interface {
             return self.glass(surface, *glass, state, sampler);
         }
-        let bsdf = Bsdf::new(&lobes);
+        let frame = LocalFrame::new(surface.n);
+        let bsdf = Bsdf::new(&lobes, frame.inward(surface.v));
         if !bsdf.is_mirror() {
             state.color.get_or_insert_with(|| material.color());
         }
@@ -311,9 +360,8 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             return mirrored(state, bsdf.mirror());
         }
         let depth = path.depth;
-        let frame = LocalFrame::new(surface.n);
-        let [which, lobe] = sampler.at(depth, Purpose::Choice);
-        self.shine(surface, (&bsdf, &frame), state, which);
+        let [_, lobe] = sampler.at(depth, Purpose::Choice);
+        self.shine(surface, (&bsdf, &frame), state, sampler);
         let l = match bsdf.sample(lobe, sampler.at(depth, Purpose::Direction)) {
             Onto::Mirror(factor) => return mirrored(state, factor),
             Onto::Direction(l, is_diffuse) => {
@@ -339,6 +387,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             state.direct = share;
         }
         state.diffuse = share;
+        state.last = Some((surface.hit.point, scattering.density));
         state.has_scattered = true;
         state.is_caustic = false;
         Some(self.onward(surface, frame.outward(l), factor))
@@ -350,37 +399,49 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         surface: &Surface,
         (bsdf, frame): (&Bsdf, &LocalFrame),
         state: &mut PathState,
-        u: f64,
+        sampler: &Sampler,
     ) {
         let path = surface.path;
+        let [u, _] = sampler.at(path.depth, Purpose::Choice);
         if !state.has_scattered && self.headlight != Radiance::BLACK {
             let scattering = bsdf.from(frame.inward(surface.v));
             let light = path.factor * scattering.all * PI * self.headlight;
             self.add_scattered(state, path, scattering.diffuse_share(), light);
         }
         let point = surface.hit.point;
-        let Some((emitter, probability)) = self.emitters.choose(point, u) else {
+        let Some((number, probability)) = self.emitters.choose(point, u) else {
             return;
         };
-        match emitter {
-            Emitter::Light(light) => {
-                let arriving = light.arriving(point, surface.v);
-                let Some((arriving, from)) = arriving.and_then(|it| Some((it, it.from?))) else {
-                    return;
-                };
-                let scattering = bsdf.from(frame.inward(from.l));
-                if scattering.all == Radiance::BLACK {
-                    return;
-                }
-                let transmission = match from.shadow {
-                    Some(shadow) => self.transmission(surface, shadow),
-                    None => Radiance::WHITE,
-                };
-                let light = path.factor * scattering.all * PI * arriving.radiance;
-                let light = light * transmission / probability;
-                self.add_scattered(state, path, scattering.diffuse_share(), light);
-            }
+        let pair = sampler.at(path.depth, Purpose::Emitter);
+        let from = (point, self.start(surface));
+        let Some(aim) = self.emitters.aim(self.world, number, from, pair) else {
+            return;
+        };
+        let scattering = bsdf.from(frame.inward(aim.l));
+        if scattering.all == Radiance::BLACK {
+            return;
         }
+        let transmission = match aim.shadow {
+            Some(shadow) => self.transmission(surface, shadow),
+            None => Radiance::WHITE,
+        };
+        if transmission == Radiance::BLACK {
+            return;
+        }
+        let scattered = path.factor * scattering.all;
+        let light = match aim.density {
+            None => scattered * PI * aim.light * transmission / probability,
+            Some(density) => {
+                let p = probability * density;
+                let q = if aim.is_found {
+                    scattering.density
+                } else {
+                    0.0
+                };
+                scattered * aim.light * transmission * p / (p * p + q * q)
+            }
+        };
+        self.add_scattered(state, path, scattering.diffuse_share(), light);
     }
 
     /// Adds light that a surface scatters, of which its diffuse lobe scatters a part.
@@ -422,57 +483,27 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             state.direct = Radiance::BLACK;
         }
         state.diffuse = Radiance::BLACK;
+        state.last = None;
     }
 
     /// Returns the part of the light that comes through on a shadow ray.
-    fn transmission(
-        &self,
-        surface: &Surface,
-        ShadowRay { direction, t_max }: ShadowRay,
-    ) -> Radiance {
+    fn transmission(&self, surface: &Surface, (direction, t_max): (DVec3, f64)) -> Radiance {
         let start = self.start(surface);
         let ray = Ray::new(surface.hit.point, direction);
-        match self.stops_at_solids {
-            true => self.through_panes(ray, t_max, start.clone()),
-            false => self.queries.transmission(&ray, t_max, start),
-        }
-    }
-
-    /// The same if panes are all that light goes through.
-    fn through_panes(&self, ray: Ray, mut t_max: f64, start: Departure) -> Radiance {
-        let mut path = Path {
-            start: Some(start),
-            ..Path::new(ray)
-        };
-        loop {
-            let Some(met) = self.meet(&mut path).filter(|met| met.t < t_max) else {
-                return path.factor;
-            };
-            let surface = met.surface(self.world, &path);
-            let glass = surface.hit.material().glass().copied();
-            let (surface, interface) = match (met.interface, glass) {
-                (Some(interface), _) => (surface, interface),
-                (None, None) => return Radiance::BLACK,
-                (None, Some(glass)) => {
-                    let start = self.queries.known(self.start(&surface));
-                    match surface.at_glass(self.world, start, glass) {
-                        AtGlass::Interface(surface, interface) => (surface, interface),
-                        AtGlass::Opaque(_) => return Radiance::BLACK,
-                        AtGlass::Nothing(start) => {
-                            t_max -= met.t;
-                            path = surface.straight(Radiance::WHITE, &start).path;
-                            continue;
-                        }
-                    }
-                }
-            };
-            if !interface.is_pane && !interface.is_joint() {
+        let light = self.queries.transmission(&ray, t_max, start);
+        let goes_through = light != Radiance::BLACK && light != Radiance::WHITE;
+        if goes_through && self.stops_at_solids {
+            let (start, mut is_stopped) = (self.queries.known(start), false);
+            self.world.each_in_the_way(&ray, t_max, &start, |passed| {
+                let FaceId { geometry, face } = passed.face;
+                let shape = self.world.geometries()[geometry].shape();
+                is_stopped |= !shape.is_pane(face);
+            });
+            if is_stopped {
                 return Radiance::BLACK;
             }
-            t_max -= met.t;
-            let factor = interface.passes(surface.hit, &path.ray);
-            path = surface.straight(factor, self.start(&surface)).path;
         }
+        light
     }
 
     /// Returns how a path goes on through glass, or what meets it at its point.
@@ -504,6 +535,10 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let (path, color) = (surface.path, interface.color());
         let start = self.start(surface);
         if interface.is_joint() {
+            if self.options.caustics {
+                // No shadow ray gets through.
+                state.last = None;
+            }
             return Some(surface.straight(color, start).path);
         }
         let fresnel = interface.fresnel(surface.n.dot(surface.v));
@@ -514,10 +549,10 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         if self.is_exhausted(path, state) && !(is_straight && state.has_scattered) {
             return None;
         }
-        let diffuse = state.diffuse;
+        let (diffuse, last) = (state.diffuse, state.last);
         self.sharpen(state, path);
         if is_straight {
-            state.diffuse = diffuse;
+            (state.diffuse, state.last) = (diffuse, last);
             let direction = path.ray.direction();
             return Some(
                 surface

@@ -20,6 +20,8 @@ pub(crate) struct Sampler {
 pub(super) enum Purpose {
     /// The emitter that is aimed at; the lobe that scatters.
     Choice = 0,
+    /// The point on the emitter.
+    Emitter = 1,
     /// The direction in which the path goes on.
     Direction = 2,
     /// The end of the path; not used.

@@ -1,12 +1,28 @@
-use super::*;
-use crate::tracer::{
-    color::Color,
-    geometry::Geometry,
-    light::{Ambient, Directional, Falloff, Headlight, Light, Point, transport::Transport},
-    material::{Emissive, Material},
-    random::{Rng, cases},
-    shape::{plane::Plane, sphere::Sphere},
-    vector::unit,
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::{
+    integrator::path::{PathTracer, sampler::Sampler},
+    tracer::{
+        color::Color,
+        geometry::Geometry,
+        light::{
+            Ambient, Directional, Falloff, Headlight, Light, Point,
+            transport::{PathOptions, Transport},
+        },
+        material::{Emissive, Glass, Material, Phong, Principled},
+        radiance::Radiance,
+        random::{Rng, cases},
+        ray::Ray,
+        sampling::disc,
+        shape::{
+            Shape, cylinder::Cylinder, disc::Disc, plane::Plane, rectangle::Rectangle,
+            sphere::Sphere,
+        },
+        vector::unit,
+        world::{Lighting, World},
+    },
 };
 
 /// Half of the light of white.
@@ -190,4 +206,214 @@ fn ambient_light_is_darker_in_corners() {
     };
     let ray = Ray::new(DVec3::new(1.0, 1.0, 0.0), DVec3::NEG_Y);
     assert_mean(mean(&world(1), &ray), 0.25);
+}
+
+/// Returns the light of a matte floor below a lamp.
+fn below(lamp: impl Into<Shape>, max_depth: u32) -> (f64, f64) {
+    let emissive = Emissive::new(Color::WHITE, 1.0).unwrap();
+    let world = by_paths(
+        vec![floor(half()), Geometry::new(lamp, emissive)],
+        vec![],
+        (options(1 << 14), max_depth),
+    );
+    let eye = DVec3::new(3.0, 1.0, 0.0);
+    mean(&world, &Ray::new(eye, unit(-eye)))
+}
+
+// The irradiance of a ball is π r²/d², that of a disc above π R²/(R² + h²).
+#[test]
+fn lamps_light_a_floor_as_their_closed_forms_say() {
+    for max_depth in [1, 8] {
+        let ball = Sphere::new(DVec3::new(0.0, 2.0, 0.0), 0.5).unwrap();
+        assert_mean(below(ball, max_depth), 0.5 * 0.25 / 4.0);
+        let disc = Disc::new(DVec3::new(0.0, 2.0, 0.0), DVec3::Y, 1.0).unwrap();
+        assert_mean(below(disc, max_depth), 0.5 / 5.0);
+        let corner = DVec3::new(0.0, 2.0, 0.0);
+        let rectangle = Rectangle::new(corner, DVec3::X, 3.0 * DVec3::Z).unwrap();
+        let side = |a: f64, b: f64| {
+            let slant = (a * a + 4.0).sqrt();
+            a / slant * libm::atan(b / slant)
+        };
+        let expected = 0.5 * (side(1.0, 3.0) + side(3.0, 1.0)) / (2.0 * std::f64::consts::PI);
+        assert_mean(below(rectangle, max_depth), expected);
+    }
+}
+
+// An upright tube seen from its foot, at the distance d from its axis: the form factor of a cylinder to an
+// element (J. Howell, A catalog of radiation heat transfer configuration factors, B-30) is checked against
+// directions that are not aimed.
+#[test]
+fn round_sides_bring_the_light_that_is_found_without_aiming() {
+    let tube = |center: DVec3| {
+        let up = DVec3::new(0.3, 1.0, 0.1);
+        Cylinder::new(center, center + up, 0.4, true).unwrap()
+    };
+    let emissive = Emissive::new(Color::WHITE, 1.0).unwrap();
+    let world = |samples| {
+        let lamp = Geometry::new(tube(DVec3::new(0.0, 0.7, 0.0)), emissive);
+        by_paths(
+            vec![floor(Color::WHITE), lamp],
+            vec![],
+            (options(samples), 1),
+        )
+    };
+    let eye = DVec3::new(3.0, 1.0, 0.0);
+    let ray = Ray::new(eye, unit(-eye));
+    let aimed = mean(&world(1 << 14), &ray);
+    let scene = world(1);
+    let lighting = scene.lighting().unwrap();
+    let mut paths = PathTracer::new(&scene, lighting, options(1), &scene, false);
+    paths.emitters = Arc::default();
+    let (mut sum, count) = (0.0, 1 << 16);
+    for sample in 0..count {
+        let sampler = Sampler::new([1, 1], sample, 0);
+        sum += paths.sample(ray, &sampler).light.parts.sum().r();
+    }
+    let by_chance = sum / f64::from(count);
+    assert!(aimed.1 < 0.01 * by_chance, "{aimed:?}");
+    assert!(
+        (aimed.0 / by_chance - 1.0).abs() < 0.01,
+        "{aimed:?} {by_chance}"
+    );
+}
+
+// Lights of a size bring as much light as those without, as long as all of it is above the surface.
+#[test]
+fn size_does_not_change_the_light_of_a_light() {
+    let position = DVec3::new(0.0, 2.0, 1.0);
+    let at = |light: Light| {
+        let world = by_paths(vec![floor(half())], vec![light], (options(1 << 14), 1));
+        let eye = DVec3::new(3.0, 1.0, 0.0);
+        mean(&world, &Ray::new(eye, unit(-eye)))
+    };
+    for falloff in [Falloff::InverseSquare, Falloff::Constant] {
+        let of_size = |radius| {
+            let point = Point::new(position, Color::WHITE, 3.0, falloff, true).unwrap();
+            at(point.with_radius(radius).unwrap().into())
+        };
+        let (expected, _) = of_size(0.0);
+        for radius in [0.01, 0.5, 1.5] {
+            assert_mean(of_size(radius), expected);
+        }
+    }
+    for angle in [0.53, 30.0] {
+        let sun = Directional::new(DVec3::new(1.0, -1.0, 0.0), Color::WHITE, 1.0, true).unwrap();
+        let expected = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
+        assert_mean(at(sun.with_angle(angle).unwrap().into()), expected);
+    }
+}
+
+// The light of a lamp in a matte hollow: L = ρ r²/(1 - ρ (1 - r²)).
+#[test]
+fn a_lamp_fills_a_hollow() {
+    let radius: f64 = 0.3;
+    for albedo in [0.5, 0.9] {
+        let color = Color::from_linear(Radiance::WHITE * albedo);
+        let emissive = Emissive::new(Color::WHITE, 1.0).unwrap();
+        let hollow = vec![
+            sphere(DVec3::ZERO, 1.0, color),
+            sphere(DVec3::ZERO, radius, emissive),
+        ];
+        let world = by_paths(hollow, vec![], (options(1 << 14), 400));
+        let ray = Ray::new(DVec3::new(0.0, 0.5, 0.2), unit(DVec3::new(0.3, 1.0, 0.4)));
+        let squared = radius * radius;
+        let expected = albedo * squared / (1.0 - albedo * (1.0 - squared));
+        assert_mean(mean(&world, &ray), expected);
+    }
+}
+
+// A floor below a pane: its light is that of direct lighting, whatever part of it is found by chance.
+#[test]
+fn panes_let_the_light_of_lamps_straight_through() {
+    let glass = Glass::new(half(), 1.5).unwrap();
+    let pane = Geometry::new(
+        Plane::new(DVec3::new(0.0, 1.0, 0.0), DVec3::Y).unwrap(),
+        glass,
+    );
+    let emissive = Emissive::new(Color::WHITE, 1.0).unwrap();
+    let lamp = sphere(DVec3::new(0.0, 200.0, 0.0), 50.0, emissive);
+    let eye = DVec3::new(0.3, 0.5, 0.0);
+    let ray = Ray::new(eye, unit(-eye));
+    for caustics in [false, true] {
+        let options = PathOptions {
+            caustics,
+            diffuse_depth: Some(0),
+            ..options(1 << 14)
+        };
+        let geometries = vec![
+            floor(half()),
+            pane.clone(),
+            lamp.clone(),
+            // Solid glass elsewhere, so that shadow rays ask for it.
+            sphere(DVec3::new(90.0, 0.0, 0.0), 1.0, glass),
+        ];
+        let world = by_paths(geometries, vec![], (options, 9));
+        // Averaged over the cosines, nearly 1.
+        let passes = |cosine| 1.0 - glass.fresnel(cosine, true).reflected;
+        let expected = 0.5 * 0.5 * passes(0.98) / 16.0;
+        let (found, error) = mean(&world, &ray);
+        assert!(
+            (found / expected - 1.0).abs() < 0.004 + 3.0 * error / expected,
+            "{found} {expected}"
+        );
+    }
+}
+
+/// Returns the mean light of a ball in white light, over the rays of a picture of it.
+fn furnace(material: impl Into<Material>) -> (f64, f64) {
+    let lamp = Emissive::new(Color::WHITE, 1.0).unwrap();
+    let world = by_paths(
+        vec![
+            sphere(DVec3::ZERO, 50.0, lamp),
+            sphere(DVec3::ZERO, 1.0, material),
+        ],
+        vec![],
+        (options(1 << 16), 32),
+    );
+    mean_of(&world, |sampler| {
+        let [x, y] = disc(sampler.place());
+        Ray::new(DVec3::new(x, y, 3.0), DVec3::NEG_Z)
+    })
+}
+
+#[test]
+fn white_surfaces_send_back_all_light() {
+    for roughness in [0.1, 0.3, 0.5, 0.75, 1.0, 0.0] {
+        for (metallic, ior) in [(1.0, 1.5), (0.0, 1.5), (0.0, 2.0), (0.5, 1.5)] {
+            let white = Principled::new(Color::WHITE, metallic, roughness, ior).unwrap();
+            let (found, error) = furnace(white);
+            assert!(
+                (found - 1.0).abs() < 0.002,
+                "{metallic} {ior} {roughness}: {found} ± {error}"
+            );
+        }
+    }
+}
+
+// It sends back what its parts say, and loses only what tiny mirrors throw to each other.
+#[test]
+fn phong_sends_back_no_more_light_than_arrives() {
+    for exponent in [0.5, 5.0, 50.0, 5000.0] {
+        for reflection in [Color::BLACK, half()] {
+            let phong = Phong::new(half(), Color::WHITE, exponent, reflection).unwrap();
+            let (found, _) = furnace(phong);
+            assert!(
+                found > 0.4 && found < 1.001,
+                "{exponent} {reflection:?}: {found}"
+            );
+        }
+    }
+}
+
+// Under one light, what paths and direct lighting show of it differs by the mirrored ray alone.
+#[test]
+fn principled_surfaces_scatter_the_same_under_direct_lighting() {
+    let plastic = Principled::new(half(), 0.3, 0.4, 1.5).unwrap();
+    let light = point(DVec3::new(1.0, 3.0, -2.0), 9.0);
+    let world = World::new(vec![floor(plastic)], Color::BLACK);
+    let direct = world.clone().lit(Lighting::new(vec![light]));
+    let paths = by_paths(vec![floor(plastic)], vec![light], (options(4), 1));
+    let ray = down(0.3);
+    let [one, other] = [&direct, &paths].map(|world| world.radiance(&ray).r());
+    assert!((one - other).abs() < 1e-12 && one > 0.1, "{one} {other}");
 }

@@ -1,9 +1,21 @@
 //! Comparison of pictures whose light follows paths with the plain definition.
 
-use super::*;
 use crate::{
-    integrator::path::{PathTracer, sampler::Sampler},
-    tracer::light::transport::{PathOptions, Transport},
+    film::crop::Crop,
+    integrator::{
+        direct::Shaded,
+        path::{PathTracer, sampler::Sampler},
+    },
+    parallel::Pool,
+    render::tests::{Case, LitPixel, same},
+    simd::isa::Isa,
+    tracer::{
+        color::Color,
+        light::transport::{PathOptions, Transport},
+        radiance::Radiance,
+        random::{Rng, cases},
+        world::Lighting,
+    },
 };
 
 /// Gives the light of a case paths.

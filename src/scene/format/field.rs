@@ -11,8 +11,15 @@ use crate::{
         thing::Type,
     },
     tracer::{
-        light::{source::BRIGHTEST, transport::PathOptions},
-        material::{glass::INDICES, phong::SHARPEST},
+        light::{
+            source::{BRIGHTEST, LARGEST, WIDEST},
+            transport::PathOptions,
+        },
+        material::{
+            glass::INDICES,
+            phong::SHARPEST,
+            principled::{COAT_INDICES, LEAST_ROUGHNESS},
+        },
     },
 };
 
@@ -74,10 +81,18 @@ kinds! {
     Natural { most: u32 }: Count in Range::From(0, most),
     /// The intensity of a light.
     Intensity: Number in Range::Within(0.0, BRIGHTEST),
+    /// The radius of a light.
+    LightRadius: Number in Range::Within(0.0, LARGEST),
+    /// The angle of the disc of a light in degrees.
+    LightAngle: Number in Range::Within(0.0, WIDEST),
     /// A part of a whole, in 0..=1.
     Fraction: Number in Range::Within(0.0, 1.0),
     /// The exponent of a highlight.
     Exponent: Number in Range::AboveUpTo(0, SHARPEST),
+    /// The roughness of a surface: 0, or not much less than can be seen.
+    Roughness: Number in Range::ZeroOr(LEAST_ROUGHNESS, 1.0),
+    /// The index of refraction of a coat.
+    CoatIndex: Number in Range::Within(COAT_INDICES[0], COAT_INDICES[1]),
     /// An index of refraction.
     Refraction: Number in Range::Within(INDICES[0], INDICES[1]),
     /// An exposure in stops.
@@ -141,6 +156,8 @@ pub(crate) enum Range {
     From(u32, u32),
     /// The same for any numbers.
     Within(f64, f64),
+    /// 0, and all from the first to the second, with both.
+    ZeroOr(f64, f64),
     /// All above the first, up to the second.
     AboveUpTo(u32, f64),
     /// All from this one.
@@ -158,6 +175,7 @@ impl Range {
             Self::Degrees(least, most) => number > f64::from(least) && number < f64::from(most),
             Self::From(least, most) => (f64::from(least)..=f64::from(most)).contains(&number),
             Self::Within(least, most) => (least..=most).contains(&number),
+            Self::ZeroOr(least, most) => number == 0.0 || (least..=most).contains(&number),
             Self::AboveUpTo(least, most) => number > f64::from(least) && number <= most,
             Self::AtLeast(least) => number >= f64::from(least),
             Self::FromToBelow(least, most) => number >= f64::from(least) && number < most,
@@ -172,6 +190,7 @@ impl fmt::Display for Range {
             Self::Degrees(least, most) => write!(f, "above {least} and below {most} degrees"),
             Self::From(least, most) => write!(f, "in {least} to {most}"),
             Self::Within(least, most) => write!(f, "in {least} to {most}"),
+            Self::ZeroOr(least, most) => write!(f, "0 or in {least} to {most}"),
             Self::AboveUpTo(least, most) => write!(f, "above {least} and at most {most}"),
             Self::AtLeast(least) => write!(f, "at least {least}"),
             Self::FromToBelow(least, most) => write!(f, "at least {least} and below {most}"),

@@ -29,8 +29,8 @@ use crate::{
             lighting::{DirectModel, LightingModel, PathModel},
             map::Map,
             material::{
-                EmissiveModel, FlatModel, GlassModel, MaterialModel, MatteModel, MirrorModel,
-                NamedModel, PhongModel,
+                EmissiveModel, FlatModel, GlassModel, MaterialModel, MatteModel, MetalModel,
+                MirrorModel, NamedModel, PhongModel, PlasticModel, PrincipledModel,
             },
             numbers::{ScaleModel, Triple},
             orthographic::OrthographicModel,
@@ -180,10 +180,27 @@ impl Rng {
     }
 
     fn material(&mut self) -> MaterialModel {
-        match self.below(7) {
+        match self.below(8) {
             0 => MaterialModel::Matte(MatteModel {
                 color: self.color(),
             }),
+            6 => match self.below(3) {
+                0 => MaterialModel::Metal(MetalModel {
+                    color: self.color(),
+                    roughness: self.maybe(Self::number),
+                }),
+                1 => MaterialModel::Plastic(PlasticModel {
+                    color: self.color(),
+                    roughness: self.maybe(Self::number),
+                    ior: self.maybe(Self::number),
+                }),
+                _ => MaterialModel::Principled(PrincipledModel {
+                    color: self.color(),
+                    metallic: self.maybe(Self::number),
+                    roughness: self.maybe(Self::number),
+                    ior: self.maybe(Self::number),
+                }),
+            },
             1 => MaterialModel::Phong(PhongModel {
                 diffuse: self.color(),
                 specular: self.maybe(Self::color),
@@ -245,6 +262,7 @@ impl Rng {
             }),
             2 => LightModel::Directional(DirectionalLightModel {
                 direction: self.triple(),
+                angle: self.maybe(Self::number),
                 color,
                 intensity,
                 shadows: self.maybe(is),
@@ -252,6 +270,7 @@ impl Rng {
             }),
             3 => LightModel::Point(PointLightModel {
                 position: self.triple(),
+                radius: self.maybe(Self::number),
                 color,
                 intensity,
                 falloff: self.maybe(falloff),
@@ -264,6 +283,7 @@ impl Rng {
                 look_at: self.maybe(Self::triple),
                 angle: self.number(),
                 blend: self.maybe(Self::number),
+                radius: self.maybe(Self::number),
                 color,
                 intensity,
                 falloff: self.maybe(falloff),

@@ -404,7 +404,7 @@ impl Writer {
     fn material(&mut self) {
         let color: Field = ("color", |this| this.nothing_or(Self::color));
         let reflection: Field = ("reflection", |this| this.nothing_or(Self::color));
-        match self.rng.below(6) {
+        match self.rng.below(7) {
             0 => self.variant("Matte", &[("color", Self::color)], &[]),
             1 => {
                 let exponent: Field = ("exponent", |this| this.nothing_or(Self::number));
@@ -416,6 +416,11 @@ impl Writer {
             }
             2 => self.variant("Mirror", &[], &[color]),
             3 => self.variant("Glass", &[], &[color, ("ior", Self::number)]),
+            4 => self.variant(
+                "Plastic",
+                &[("color", Self::color)],
+                &[("roughness", Self::number), ("ior", Self::number)],
+            ),
             _ => self.named(),
         }
     }

@@ -3,7 +3,7 @@
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::source::{Glow, Source},
+    light::source::{Glow, LightSize, Source},
     transform::Transform,
 };
 
@@ -34,6 +34,10 @@ impl Headlight {
 
     pub(super) const fn source(&self) -> Source {
         Source::Viewer
+    }
+
+    pub(super) const fn size(&self) -> LightSize {
+        LightSize::None
     }
 
     pub(super) const fn numbers(&self) -> [f64; 0] {

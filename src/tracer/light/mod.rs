@@ -31,7 +31,7 @@ use crate::tracer::{
     error::GeometryError,
     light::{
         falloff::END,
-        source::{Glow, Source},
+        source::{Glow, LightSize, Source},
     },
     radiance::Radiance,
     transform::Transform,
@@ -75,6 +75,13 @@ macro_rules! lights {
             pub(crate) fn source(&self) -> Source {
                 match self {
                     $(Self::$light(light) => light.source()),*
+                }
+            }
+
+            /// Returns the size of the light, where light follows paths.
+            pub(crate) fn size(&self) -> LightSize {
+                match self {
+                    $(Self::$light(light) => light.size()),*
                 }
             }
 

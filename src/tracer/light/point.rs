@@ -7,10 +7,10 @@ use crate::tracer::{
     error::GeometryError,
     light::{
         falloff::Falloff,
-        source::{Glow, Source},
+        source::{Glow, LARGEST, LightSize, Source},
     },
     transform::Transform,
-    vector::finite,
+    vector::{finite, in_range},
 };
 
 /// Light from a point in all directions.
@@ -20,6 +20,7 @@ pub struct Point {
     position: DVec3,
     falloff: Falloff,
     shadows: bool,
+    radius: f64,
 }
 
 impl Point {
@@ -40,7 +41,24 @@ impl Point {
             position: finite(position, "position")?,
             falloff,
             shadows,
+            radius: 0.0,
         })
+    }
+
+    /// Gives the light a radius, which it has where light follows paths: a ball that shines evenly, and
+    /// that brings as much light to a surface as the point does. No ray hits it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the radius lies outside of 0..=1e12.
+    pub fn with_radius(self, radius: f64) -> Result<Self, GeometryError> {
+        let radius = in_range(radius, "radius", [0.0, LARGEST])?;
+        Ok(Self { radius, ..self })
+    }
+
+    /// The radius, where light follows paths.
+    pub const fn radius(&self) -> f64 {
+        self.radius
     }
 
     /// The position.
@@ -73,9 +91,19 @@ impl Point {
         }
     }
 
-    pub(super) fn numbers(&self) -> [f64; 5] {
+    pub(super) const fn size(&self) -> LightSize {
+        match self.radius > 0.0 {
+            true => LightSize::Ball(self.radius),
+            false => LightSize::None,
+        }
+    }
+
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
         let [x, y, z] = self.position.to_array();
         let shadows = f64::from(u8::from(self.shadows));
+        let size = (self.radius > 0.0).then_some(self.radius);
         [x, y, z, self.falloff.number(), shadows]
+            .into_iter()
+            .chain(size)
     }
 }

@@ -28,6 +28,22 @@ pub(crate) enum Source {
     },
 }
 
+/// The size of a light, where light follows paths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LightSize {
+    /// None.
+    None,
+    /// A ball of this radius around its position.
+    Ball(f64),
+    /// A disc at an infinite distance: the squared sine of the angle of its radius.
+    Disc(f64),
+}
+
+/// The largest radius of a light.
+pub(crate) const LARGEST: f64 = 1e12;
+/// The largest angle of a light at an infinite distance, in degrees.
+pub(crate) const WIDEST: f64 = 90.0;
+
 /// The color and the intensity of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glow {

@@ -9,7 +9,7 @@ use crate::tracer::{
     error::GeometryError,
     light::{
         falloff::{Fading, Falloff},
-        source::{Glow, Source},
+        source::{Glow, LARGEST, LightSize, Source},
     },
     transform::Transform,
     vector::{direction, finite, in_range, unit},
@@ -26,6 +26,7 @@ pub struct Spot {
     falloff: Falloff,
     shadows: bool,
     fading: Fading,
+    radius: f64,
 }
 
 /// The shape of a cone of light.
@@ -75,7 +76,24 @@ impl Spot {
                 axis: unit(along),
                 cosines: [libm::cos(inner), libm::cos(outer)],
             },
+            radius: 0.0,
         })
+    }
+
+    /// Gives the light a radius, which it has where light follows paths: a ball that shines evenly, and
+    /// that brings as much light to a surface as the point does. No ray hits it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the radius lies outside of 0..=1e12.
+    pub fn with_radius(self, radius: f64) -> Result<Self, GeometryError> {
+        let radius = in_range(radius, "radius", [0.0, LARGEST])?;
+        Ok(Self { radius, ..self })
+    }
+
+    /// The radius, where light follows paths.
+    pub const fn radius(&self) -> f64 {
+        self.radius
     }
 
     /// The position.
@@ -124,10 +142,18 @@ impl Spot {
         }
     }
 
-    pub(super) fn numbers(&self) -> [f64; 10] {
+    pub(super) const fn size(&self) -> LightSize {
+        match self.radius > 0.0 {
+            true => LightSize::Ball(self.radius),
+            false => LightSize::None,
+        }
+    }
+
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
         let [x, y, z] = self.position.to_array();
         let [a, b, c] = self.direction.to_array();
         let shadows = f64::from(u8::from(self.shadows));
+        let size = (self.radius > 0.0).then_some(self.radius);
         [
             x,
             y,
@@ -140,5 +166,7 @@ impl Spot {
             self.falloff.number(),
             shadows,
         ]
+        .into_iter()
+        .chain(size)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::tracer::{
     color::Color,
-    material::{emissive::Emissive, glass::Glass},
+    material::{emissive::Emissive, glass::Glass, microfacet::Microfacets},
 };
 
 /// The lobes of a surface. The light that it sends is the sum of theirs.
@@ -17,6 +17,8 @@ pub(crate) struct Lobes<'m> {
     pub(crate) diffuse: Option<Color>,
     /// Light that is scattered around the mirrored direction.
     pub(crate) highlight: Option<Highlight>,
+    /// Light that metal reflects, or a coat and the diffuse surface below it.
+    pub(crate) layered: Option<Layered>,
     /// The factor of light that is reflected as by a mirror.
     pub(crate) mirror: Option<Color>,
     /// The interface at which light is reflected and refracted.
@@ -30,12 +32,26 @@ pub(crate) struct Highlight {
     pub(crate) exponent: f64,
 }
 
+/// Metal, and a coat above a diffuse surface, side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Layered {
+    /// The color of both.
+    pub(crate) color: Color,
+    /// The part that is metal.
+    pub(crate) metallic: f64,
+    /// The index of refraction of the coat.
+    pub(crate) ior: f64,
+    /// The normals of both.
+    pub(crate) facets: Microfacets,
+}
+
 impl Lobes<'_> {
     /// No lobe: black.
     pub(crate) const NONE: Self = Self {
         emission: None,
         diffuse: None,
         highlight: None,
+        layered: None,
         mirror: None,
         interface: None,
     };
@@ -50,12 +66,13 @@ impl Lobes<'_> {
 
     /// Returns true if the surface sends rays on. A black mirror sends none.
     pub(crate) fn sends_rays(&self) -> bool {
-        self.mirror.is_some_and(|color| color != Color::BLACK) || self.interface.is_some()
+        let is_mirror = self.mirror.is_some_and(|color| color != Color::BLACK);
+        is_mirror || self.interface.is_some() || self.layered.is_some()
     }
 
     /// Returns true if the surface scatters the light of lights.
     pub(crate) const fn scatters(&self) -> bool {
-        self.diffuse.is_some() || self.highlight.is_some()
+        self.diffuse.is_some() || self.highlight.is_some() || self.layered.is_some()
     }
 }
 

@@ -10,15 +10,18 @@ mod flat;
 pub(crate) mod glass;
 pub(crate) mod lobes;
 mod matte;
+pub(crate) mod microfacet;
 mod mirror;
 pub(crate) mod parameters;
 pub(crate) mod phong;
+pub(crate) mod principled;
 
 pub use self::{
     binding::{Corners, Interpolation},
     emissive::Emissive,
     glass::Glass,
     phong::Phong,
+    principled::Principled,
 };
 
 use std::sync::Arc;
@@ -97,6 +100,8 @@ materials! {
     Matte(Color) in matte,
     /// Scatters light, with a highlight, and may reflect a part of what is around it.
     Phong(Arc<Phong>) in phong,
+    /// A surface of metal, or of a coat above a diffuse one, or a mixture of both.
+    Principled(Arc<Principled>) in principled,
     /// Reflects what is around it, times a color.
     Mirror(Color) in mirror,
     /// Reflects and refracts.
@@ -116,6 +121,21 @@ impl Material {
     }
 }
 
+impl Material {
+    /// Returns what lights other surfaces, where light follows paths.
+    pub(crate) fn lamp(&self) -> Option<&Emissive> {
+        match self {
+            Self::Emissive(emissive) => Some(emissive),
+            Self::Matte(_)
+            | Self::Phong(_)
+            | Self::Principled(_)
+            | Self::Mirror(_)
+            | Self::Glass(_)
+            | Self::Flat(_) => None,
+        }
+    }
+}
+
 /// Converts materials of several parameters.
 macro_rules! from {
     ($($material:ident),*) => {$(
@@ -127,7 +147,7 @@ macro_rules! from {
     )*};
 }
 
-from!(Phong, Glass, Emissive);
+from!(Phong, Principled, Glass, Emissive);
 
 impl From<Color> for Material {
     /// Creates a matte material.
@@ -149,6 +169,7 @@ mod tests {
             Material::Mirror(red),
             Material::Flat(red),
             Phong::new(red, grey, 20.0, grey).unwrap().into(),
+            Principled::new(red, 0.5, 0.3, 1.5).unwrap().into(),
             Glass::new(red, 1.5).unwrap().into(),
             Emissive::new(red, 3.0).unwrap().into(),
         ];

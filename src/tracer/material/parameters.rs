@@ -33,17 +33,19 @@ impl Parameters for Color {
     }
 }
 
-/// Defines a material of several parameters.
+/// Defines a material of several parameters, and of what derives from all but the first, behind a `;`.
 macro_rules! parameters {
     ($(#[$doc:meta])* pub struct $material:ident {
         $(#[$about:meta])* $first:ident: Color,
         $($(#[$what:meta])* $field:ident: $kind:ident,)*
+        $(; $derived:ident: $of:ty)?
     }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $material {
             $first: Color,
-            $($field: $kind),*
+            $($field: $kind,)*
+            $($derived: $of)?
         }
 
         impl $material {

@@ -23,7 +23,7 @@ pub(crate) enum Faces {
 }
 
 /// A face of a geometry, as a hit finds it and the next ray leaves it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId {
     /// The index of the geometry.
     pub geometry: usize,

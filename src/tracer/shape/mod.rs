@@ -25,6 +25,7 @@ pub(crate) mod rectangle;
 pub(crate) mod solid;
 pub(crate) mod span;
 pub(crate) mod sphere;
+pub(crate) mod target;
 #[cfg(test)]
 mod tests;
 pub(crate) mod torus;

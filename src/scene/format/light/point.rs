@@ -13,6 +13,9 @@ light! {
     pub struct PointLightModel = "Point" {
         /// The position.
         position | location: Point,
+        /// The radius, 0 to 1e12, where light follows paths: larger lights cast softer shadows, equally bright
+        /// ones. 0 is the default.
+        radius: LightRadius = 0.0,
     }
     /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
     intensity = 1.0
@@ -25,6 +28,7 @@ impl LightKind for PointLightModel {
         let color = self.color().build();
         let (intensity, shadows) = (self.intensity(), self.shadows());
         let falloff = self.falloff().into();
-        Point::new(self.position.into(), color, intensity, falloff, shadows).map(Light::from)
+        let point = Point::new(self.position.into(), color, intensity, falloff, shadows)?;
+        point.with_radius(self.radius()).map(Light::from)
     }
 }

@@ -24,6 +24,9 @@ light! {
         /// The part of the half angle over which the light fades at the edge, from 0 to 1; 0.15 is the
         /// default.
         blend | penumbra: Fraction = 0.15,
+        /// The radius, 0 to 1e12, where light follows paths: larger lights cast softer shadows, equally bright
+        /// ones. 0 is the default.
+        radius: LightRadius = 0.0,
     }
     /// The intensity, from 0 to 1e12; 1 is the default; at distance 1 it makes a white matte surface white.
     intensity = 1.0
@@ -42,7 +45,8 @@ impl LightKind for SpotLightModel {
         };
         let (position, color) = (self.position.into(), self.color().build());
         let (intensity, falloff) = (self.intensity(), self.falloff().into());
-        Spot::new(position, cone, color, intensity, falloff, self.shadows()).map(Light::from)
+        let spot = Spot::new(position, cone, color, intensity, falloff, self.shadows())?;
+        spot.with_radius(self.radius()).map(Light::from)
     }
 
     fn to_target(&self) -> Option<DVec3> {

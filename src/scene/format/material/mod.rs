@@ -5,13 +5,17 @@ pub(crate) mod flat;
 pub(crate) mod glass;
 pub(crate) mod kind;
 pub(crate) mod matte;
+pub(crate) mod metal;
 pub(crate) mod mirror;
 pub(crate) mod named;
 pub(crate) mod phong;
+pub(crate) mod plastic;
+pub(crate) mod principled;
 
 pub use self::{
     emissive::EmissiveModel, flat::FlatModel, glass::GlassModel, matte::MatteModel,
-    mirror::MirrorModel, named::NamedModel, phong::PhongModel,
+    metal::MetalModel, mirror::MirrorModel, named::NamedModel, phong::PhongModel,
+    plastic::PlasticModel, principled::PrincipledModel,
 };
 
 use std::{collections::HashMap, sync::Arc};
@@ -35,8 +39,14 @@ variants! {
         Matte(MatteModel) | Lambert | Lambertian | Diffuse | MeshLambertMaterial,
         /// Scatters light, with a highlight, and may reflect a part of what is around it.
         Phong(PhongModel) | MeshPhongMaterial,
+        /// A surface of metal.
+        Metal(MetalModel),
+        /// A colored surface below a clear coat.
+        Plastic(PlasticModel),
+        /// A surface of metal, or of a clear coat above a colored one, or a mixture of both.
+        Principled(PrincipledModel) | PrincipledBSDF | Disney | MeshStandardMaterial,
         /// Reflects what is around it, times a color.
-        Mirror(MirrorModel) | Metal,
+        Mirror(MirrorModel),
         /// Reflects and refracts. A plane or a disc of glass is a pane without thickness.
         Glass(GlassModel) | Dielectric,
         /// Shows its color in any light.
