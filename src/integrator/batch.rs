@@ -5,6 +5,8 @@
 mod hits;
 mod surfaces;
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         lanes::{bits, dot, splat3, sub},
@@ -103,6 +105,13 @@ fn arriving<S: Simd>(simd: S, light: &Light, hits: &Hits<S>) -> Option<Arriving<
     };
     let (position, falloff, cone) = match light.source() {
         Source::Everywhere => return None,
+        Source::Surroundings => {
+            let nothing = simd.splat(0.0);
+            return Some(Arriving {
+                reaches: nothing.lt(nothing),
+                ..evenly(splat3(simd, DVec3::Z))
+            });
+        }
         Source::Viewer => return Some(evenly(hits.v)),
         Source::Direction(to_light) => return Some(evenly(splat3(simd, vector::unit(to_light)))),
         Source::Point {

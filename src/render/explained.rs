@@ -13,8 +13,10 @@ use crate::{
         size::Size,
     },
     integrator::{
+        Integrator,
         direct::Shaded,
         explain::{TracedRay, explain},
+        path::{PathTracer, sampler::Sampler},
     },
     render::{
         hits::{Hits, Rays},
@@ -39,7 +41,7 @@ pub(crate) struct PixelSource<'a> {
 /// A pixel and its samples.
 #[derive(Clone, Debug)]
 pub struct ExplainedPixel {
-    /// The samples, from the top left.
+    /// The samples, from the top left; none where light follows paths, which are too many.
     pub samples: Vec<ExplainedSample>,
     /// The mean of their light.
     pub parts: LightParts,
@@ -75,6 +77,10 @@ impl PixelSource<'_> {
     pub(crate) fn explain(&self, column: u32, row: u32) -> Result<ExplainedPixel, Error> {
         if let Some(outlines) = &self.outlines {
             OutlineMask::check(outlines, self.samples)?;
+        }
+        let integrator = Integrator::new(self.world, self.world, self.tone, false);
+        if let Integrator::Path(paths) = &integrator {
+            return Ok(self.by_paths(paths, [column, self.size.height() - 1 - row]));
         }
         let side = self.samples.side();
         let margin = self.outlines.map_or(0, |outlines| outlines.margin());
@@ -131,6 +137,23 @@ impl PixelSource<'_> {
             parts,
             samples,
         })
+    }
+
+    /// Returns the mean of the paths of a pixel, counted from the bottom left, without its lines.
+    fn by_paths(&self, paths: &PathTracer<World>, pixel: [u32; 2]) -> ExplainedPixel {
+        let samples = (0..paths.samples()).map(|sample| {
+            let sampler = Sampler::new(pixel, sample, paths.seed());
+            let ray = sampler.ray(self.camera, self.size, pixel);
+            paths.sample(ray, &sampler).light.parts
+        });
+        let sum = samples.fold(LightParts::default(), LightParts::add);
+        let parts = sum.map(|sum| sum / f64::from(paths.samples()));
+        ExplainedPixel {
+            samples: Vec::new(),
+            parts,
+            tone: Some(self.tone),
+            color: self.tone.color(parts.sum()),
+        }
     }
 
     fn sample(

@@ -21,7 +21,7 @@ impl Toward {
     /// Returns the end of a light's shadow rays; `None` if it casts no shadows.
     pub(crate) fn of(light: &Light) -> Option<Self> {
         let toward = match light.source() {
-            Source::Everywhere | Source::Viewer => return None,
+            Source::Everywhere | Source::Surroundings | Source::Viewer => return None,
             Source::Direction(to_light) => Self::Direction(to_light),
             Source::Point { position, .. } => Self::Point(position),
         };

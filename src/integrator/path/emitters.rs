@@ -10,6 +10,7 @@ use crate::tracer::{
     geometry::Geometry,
     light::{
         Light,
+        environment::Environment,
         falloff::END,
         source::{LightSize, Source},
     },
@@ -18,7 +19,7 @@ use crate::tracer::{
     sampling::UnitPair,
     shape::{
         face::{FaceId, Leaving},
-        target::{AimedAt, ConeOfDirections, Target, to_ball},
+        target::{AimedAt, ConeOfDirections, Target, on_ball, to_ball},
     },
     vector::unit,
     world::World,
@@ -29,6 +30,9 @@ const FEW: usize = 16;
 /// The part of the way to a curved face by which the point that a ray meets may lie before the one that it
 /// was aimed at: 2⁻²⁰.
 const NEAR: f64 = 1.0 / (1 << 20) as f64;
+
+/// The density of directions that are evenly distributed.
+const EVEN: f64 = 1.0 / (4.0 * PI);
 
 /// Everything that paths aim at: lights, in file order, then faces that shine.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +47,8 @@ pub(crate) struct Emitters {
 enum Emitter {
     /// A light, which may have a size.
     Light(Light),
+    /// The surroundings, and the mean of the largest channel of their light.
+    Environment(Environment, f64),
     /// Faces that shine: one, or all of a capsule.
     Faces {
         target: Target,
@@ -82,10 +88,10 @@ impl Emitters {
     pub(crate) fn new(world: &World) -> Self {
         let lights = world.lights().iter().filter(|light| match light.source() {
             Source::Everywhere | Source::Viewer => false,
-            Source::Direction(_) | Source::Point { .. } => true,
+            Source::Surroundings | Source::Direction(_) | Source::Point { .. } => true,
         });
         let mut emitters = Self {
-            all: lights.copied().map(Emitter::Light).collect(),
+            all: lights.map(Emitter::of_light).collect(),
             faces: HashMap::new(),
         };
         for (index, geometry) in world.geometries().iter().enumerate() {
@@ -161,6 +167,16 @@ impl Emitters {
     ) -> Option<Aimed> {
         match &self.all[number] {
             Emitter::Light(light) => aim_at_light(light, point, pair),
+            Emitter::Environment(environment, _) => {
+                let l = on_ball(pair, DVec3::Z);
+                Some(Aimed {
+                    l,
+                    light: environment.radiance(l),
+                    shadow: Some((l, f64::INFINITY)),
+                    density: Some(EVEN),
+                    is_found: true,
+                })
+            }
             Emitter::Faces {
                 target,
                 first,
@@ -210,8 +226,17 @@ impl Emitters {
         let number = *self.faces.get(&face)?;
         match &self.all[number] {
             Emitter::Faces { target, .. } => Some((number, target.density(from, at, normal))),
-            Emitter::Light(_) => None,
+            Emitter::Light(_) | Emitter::Environment(..) => None,
         }
+    }
+
+    /// Returns the surroundings, and what paths know of them as an emitter.
+    pub(super) fn environment(&self) -> Option<(&Environment, usize, f64)> {
+        let mut all = self.all.iter().enumerate();
+        all.find_map(|(number, emitter)| match emitter {
+            Emitter::Environment(environment, _) => Some((environment, number, EVEN)),
+            Emitter::Light(_) | Emitter::Faces { .. } => None,
+        })
     }
 
     /// Calls `see` with each light of a size that a ray passes before a distance; paths aim at it from a
@@ -319,6 +344,13 @@ fn aim_at_light(light: &Light, point: DVec3, pair: UnitPair) -> Option<Aimed> {
 }
 
 impl Emitter {
+    fn of_light(light: &Light) -> Self {
+        match light {
+            Light::Environment(environment) => Self::Environment(*environment, environment.mean()),
+            other => Self::Light(*other),
+        }
+    }
+
     /// Returns an estimate of the irradiance that it brings to a point, without shadows: its largest
     /// channel.
     fn weight(&self, point: DVec3) -> f64 {
@@ -334,6 +366,7 @@ impl Emitter {
                 let arriving = light.arriving(point, DVec3::Z).filter(|_| !is_inside);
                 arriving.map_or(0.0, |arriving| PI * arriving.radiance.max_channel())
             }
+            Self::Environment(_, mean) => PI * mean,
             Self::Faces {
                 target, brightest, ..
             } => brightest * target.weight(point),

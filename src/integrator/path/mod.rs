@@ -40,6 +40,7 @@ use crate::{
         ray::Ray,
         sampling::LocalFrame,
         shape::face::{Crossing, FaceId},
+        vector::unit,
         world::{Lighting, World},
     },
 };
@@ -261,6 +262,20 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     fn escape(&self, path: &Path, state: &mut PathState) {
         let beta = path.factor;
         self.add(state, path, beta * state.diffuse * self.ambient);
+        if let Some((environment, number, density)) = self.emitters.environment() {
+            // A transparent picture shows none of it behind everything.
+            if path.depth == 0 && self.is_transparent {
+                return;
+            }
+            if path.depth > 0 || environment.is_visible() {
+                if !self.is_unseen(state) {
+                    let weight = self.weight(state, |_| Some((number, density)));
+                    let light = environment.radiance(unit(path.ray.direction()));
+                    self.add(state, path, beta * weight * light);
+                }
+                return;
+            }
+        }
         let sharp = beta * (Radiance::WHITE - state.diffuse);
         if !self.is_transparent {
             self.add(state, path, sharp * self.world.background().to_linear());
@@ -370,6 +385,10 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             }
         };
         let scattering = bsdf.from(l);
+        let l = frame.outward(l);
+        if !leaves(surface, l) {
+            return None;
+        }
         let mut factor = path.factor * scattering.all / scattering.density;
         if scattering.density <= 0.0 || factor == Radiance::BLACK {
             return None;
@@ -390,7 +409,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         state.last = Some((surface.hit.point, scattering.density));
         state.has_scattered = true;
         state.is_caustic = false;
-        Some(self.onward(surface, frame.outward(l), factor))
+        Some(self.onward(surface, l, factor))
     }
 
     /// Adds the light of an emitter that is chosen by a number, and of the headlights.
@@ -418,7 +437,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             return;
         };
         let scattering = bsdf.from(frame.inward(aim.l));
-        if scattering.all == Radiance::BLACK {
+        if scattering.all == Radiance::BLACK || !leaves(surface, aim.l) {
             return;
         }
         let transmission = match aim.shadow {
@@ -568,4 +587,10 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let onward = surface.onward(surface.refracted(&fresnel), color, through);
         Some(onward.path)
     }
+}
+
+/// Returns true if a direction leads away from the face of a surface, whose normal for shading may be another.
+fn leaves(surface: &Surface, l: DVec3) -> bool {
+    let flat = surface.hit.geometry.shape().flat_normal(surface.hit.face);
+    flat.is_none_or(|flat| (flat.dot(l) > 0.0) == (flat.dot(surface.v) > 0.0))
 }

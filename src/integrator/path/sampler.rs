@@ -5,7 +5,10 @@
 //! Owen scrambling, Journal of Computer Graphics Techniques, 2020). Each has an order of its own, so that
 //! pairs do not depend on each other.
 
-use crate::tracer::sampling::UnitPair;
+use crate::{
+    film::size::Size,
+    tracer::{camera::Camera, ray::Ray, sampling::UnitPair},
+};
 
 /// The pairs of one sample of a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +46,12 @@ impl Sampler {
     /// Returns the place in the pixel.
     pub(crate) fn place(&self) -> UnitPair {
         self.pair(0)
+    }
+
+    /// Returns the camera's ray through that place, in a pixel counted from the bottom left.
+    pub(crate) fn ray(&self, camera: &Camera, size: Size, pixel: [u32; 2]) -> Ray {
+        let ([u, v], [x, y]) = (self.place(), pixel.map(f64::from));
+        camera.ray_for(size.width(), size.height(), x + u - 0.5, y + v - 0.5)
     }
 
     /// Returns a pair of the vertex at a depth.

@@ -8,7 +8,7 @@ use crate::{
         color::Color,
         geometry::Geometry,
         light::{
-            Ambient, Directional, Falloff, Headlight, Light, Point,
+            Ambient, Directional, Environment, Falloff, Headlight, Light, Point, Sky,
             transport::{PathOptions, Transport},
         },
         material::{Emissive, Glass, Material, Phong, Principled},
@@ -416,4 +416,29 @@ fn principled_surfaces_scatter_the_same_under_direct_lighting() {
     let ray = down(0.3);
     let [one, other] = [&direct, &paths].map(|world| world.radiance(&ray).r());
     assert!((one - other).abs() < 1e-12 && one > 0.1, "{one} {other}");
+}
+
+// The irradiance of a sky on a level floor: π (h + 2/3 (z - h)).
+#[test]
+fn surroundings_light_a_floor_and_are_seen() {
+    let gray = |light| Color::from_linear(Radiance::WHITE * light);
+    let white = Environment::new(Color::WHITE, 0.5).unwrap();
+    let sky = Sky {
+        zenith: gray(0.8),
+        horizon: gray(0.2),
+        ground: gray(0.5),
+    };
+    let sky = Environment::of_sky(sky, 3.0 * DVec3::Y, 2.0).unwrap();
+    for (light, expected, above) in [(white, 0.25, 0.5), (sky, 0.5 * 2.0 * 0.6, 1.6)] {
+        let world = |light: Environment, geometries| {
+            by_paths(geometries, vec![light.into()], (options(1 << 12), 8))
+        };
+        let scene = world(light, vec![floor(half())]);
+        assert_mean(mean(&scene, &down(0.0)), expected);
+        let up = Ray::new(DVec3::Y, DVec3::Y);
+        assert!((mean(&scene, &up).0 - above).abs() < 1e-12);
+        assert_eq!(mean(&world(light.visible(false), vec![]), &up).0, 0.0);
+        let direct = scene.lit(Lighting::new(vec![light.into()]));
+        assert_eq!(direct.radiance(&down(0.0)), Radiance::BLACK);
+    }
 }

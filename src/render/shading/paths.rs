@@ -48,19 +48,14 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         seen: &mut Vec<u32>,
     ) -> Option<Shaded> {
         let (shading, work) = (self.shading, &self.work);
-        let (width, height) = (shading.size.width(), shading.size.height());
-        let pixel = [column, height - 1 - row];
+        let pixel = [column, shading.size.height() - 1 - row];
         let (mut sum, mut albedo) = (Shaded::default(), Radiance::BLACK);
         for sample in 0..self.state.count {
             if sample % UNASKED == 0 && work.cancel.is_cancelled() {
                 return None;
             }
             let sampler = Sampler::new(pixel, sample, paths.seed());
-            let [u, v] = sampler.place();
-            let [x, y] = pixel.map(f64::from);
-            let ray = shading
-                .camera
-                .ray_for(width, height, x + u - 0.5, y + v - 0.5);
+            let ray = sampler.ray(shading.camera, shading.size, pixel);
             let traced = paths.sample(ray, &sampler);
             sum = sum + traced.light;
             sums.hits[place] += u32::from(traced.first.is_some());

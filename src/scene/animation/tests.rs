@@ -288,6 +288,8 @@ fn fields_of_one_name_are_of_one_kind() {
         // Keys of points and directions are alike.
         let kind = match field.kind {
             FieldKind::Direction => FieldKind::Point,
+            // One is that of a cone, the other that of a disc: both are numbers.
+            FieldKind::LightAngle => FieldKind::Angle,
             kind if kind.changes() => kind,
             _ => FieldKind::Fixed,
         };

@@ -15,11 +15,7 @@ use crate::{
             source::{BRIGHTEST, LARGEST, WIDEST},
             transport::PathOptions,
         },
-        material::{
-            glass::INDICES,
-            phong::SHARPEST,
-            principled::{COAT_INDICES, LEAST_ROUGHNESS},
-        },
+        material::{glass::INDICES, phong::SHARPEST, principled::LEAST_ROUGHNESS},
     },
 };
 
@@ -91,8 +87,6 @@ kinds! {
     Exponent: Number in Range::AboveUpTo(0, SHARPEST),
     /// The roughness of a surface: 0, or not much less than can be seen.
     Roughness: Number in Range::ZeroOr(LEAST_ROUGHNESS, 1.0),
-    /// The index of refraction of a coat.
-    CoatIndex: Number in Range::Within(COAT_INDICES[0], COAT_INDICES[1]),
     /// An index of refraction.
     Refraction: Number in Range::Within(INDICES[0], INDICES[1]),
     /// An exposure in stops.

@@ -299,10 +299,14 @@ impl<'a> Fill<'a> {
     }
 }
 
-/// Returns the variant that is meant by a field of what is not given: the only one that has it, or the
-/// first if none does.
+/// Returns the variant that is meant by a field of what is not given: the first if it has the field and needs
+/// none, the only one that has it, or the first if none does.
 fn meant(variants: &[Variant], field: &str) -> Option<Variant> {
     let has_it = |variant: &&Variant| variant.fields().iter().any(|it| it.name == field);
+    let needs_none = |variant: &&Variant| variant.fields().iter().all(|it| !it.is_required);
+    if let Some(first) = variants.first().filter(has_it).filter(needs_none) {
+        return Some(*first);
+    }
     let mut having = variants.iter().filter(has_it);
     match [having.next(), having.next()] {
         [found, None] => found.or(variants.first()).copied(),

@@ -23,8 +23,8 @@ use crate::{
             },
             image::{ImageModel, ToneMappingModel},
             light::{
-                AmbientLightModel, DirectionalLightModel, FalloffModel, HeadlightLightModel,
-                LightModel, PointLightModel, SpotLightModel,
+                AmbientLightModel, DirectionalLightModel, EnvironmentLightModel, FalloffModel,
+                HeadlightLightModel, LightModel, PointLightModel, SkyModel, SpotLightModel,
             },
             lighting::{DirectModel, LightingModel, PathModel},
             map::Map,
@@ -249,13 +249,25 @@ impl Rng {
         let is = |rng: &mut Self| rng.below(2) == 0;
         let (color, intensity) = (self.maybe(Self::color), self.maybe(Self::number));
         let name = self.maybe(Self::name);
-        match self.below(5) {
+        match self.below(6) {
             0 => LightModel::Ambient(AmbientLightModel {
                 color,
                 intensity,
                 name,
             }),
             1 => LightModel::Headlight(HeadlightLightModel {
+                color,
+                intensity,
+                name,
+            }),
+            4 => LightModel::Environment(EnvironmentLightModel {
+                sky: self.maybe(|rng| SkyModel {
+                    zenith: rng.color(),
+                    horizon: rng.color(),
+                    ground: rng.color(),
+                }),
+                up: self.maybe(Self::triple),
+                visible: self.maybe(is),
                 color,
                 intensity,
                 name,

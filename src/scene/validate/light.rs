@@ -8,7 +8,12 @@ use crate::{
     parallel::Cancel,
     scene::{
         animation::frames::Frames,
-        format::{geometry::walk::Leaf, light::LightModel, scene::Model, thing::Thing},
+        format::{
+            geometry::walk::Leaf,
+            light::{EnvironmentLightModel, LightModel},
+            scene::Model,
+            thing::Thing,
+        },
         problem::{Focus, Problem},
         tables::Tables,
         validate::found::Found,
@@ -31,8 +36,15 @@ impl Found {
     pub(super) fn lights(&mut self, model: &Model) {
         let lights = model.lights.iter().flatten();
         let mut named = Vec::new();
+        let mut first = None;
         for (index, light) in lights.enumerate() {
             self.light(light, index);
+            if matches!(light, LightModel::Environment(_)) && first.replace(index).is_some() {
+                let message = "a scene has at most one `Environment`";
+                let problem =
+                    Problem::new(Code::DuplicateField, path_of(index), Focus::Name, message);
+                self.push(problem.help("remove it"));
+            }
             named.extend(light.name().map(|name| (index, name)));
         }
         self.extend(super::names::of(named, path_of));
@@ -46,10 +58,19 @@ impl Found {
             let what = "`look_at` - `position`";
             self.direction(vector, what, || path().field("look_at"));
         }
-        let helps = [
-            "`direction` is a direction, `look_at` a point; leave one of them out",
-            "add `direction`, such as (0, -1, 0), or `look_at`, a point",
-        ];
+        if let LightModel::Environment(EnvironmentLightModel { sky: Some(sky), .. }) = light {
+            sky.each(|field, value| self.field(field, value, || path().field("sky")));
+        }
+        let helps = match light {
+            LightModel::Environment(_) => [
+                "the light has one color or a sky; leave one of them out",
+                "add `color`, such as \"#fff\", or `sky`",
+            ],
+            _ => [
+                "`direction` is a direction, `look_at` a point; leave one of them out",
+                "add `direction`, such as (0, -1, 0), or `look_at`, a point",
+            ],
+        };
         self.one_of(light, Code::OneOf, &path(), helps);
     }
 
@@ -105,7 +126,10 @@ impl Found {
             }
             let Ok(light) = given.build() else { continue };
             let (position, falloff) = match light.source() {
-                Source::Everywhere | Source::Viewer | Source::Direction(_) => continue,
+                Source::Everywhere
+                | Source::Surroundings
+                | Source::Viewer
+                | Source::Direction(_) => continue,
                 Source::Point {
                     position, falloff, ..
                 } => (position, falloff),

@@ -8,6 +8,7 @@
 
 pub(crate) mod ambient;
 pub(crate) mod directional;
+pub(crate) mod environment;
 pub(crate) mod falloff;
 pub(crate) mod headlight;
 pub(crate) mod point;
@@ -18,6 +19,7 @@ pub(crate) mod transport;
 pub use self::{
     ambient::Ambient,
     directional::Directional,
+    environment::{Environment, Sky},
     falloff::Falloff,
     headlight::Headlight,
     point::Point,
@@ -118,6 +120,8 @@ lights! {
     Ambient = "ambient",
     /// Light along whatever ray arrives, which is never in shadow.
     Headlight = "headlight",
+    /// Light from the surroundings, where light follows paths.
+    Environment = "environment",
     /// Parallel light, as from the sun.
     Directional = "directional",
     /// Light from a point in all directions.
@@ -137,6 +141,7 @@ impl Light {
                 let from = None;
                 return Some(Arriving { radiance, from });
             }
+            Source::Surroundings => return None,
             Source::Viewer => (v, 1.0, 1.0, None),
             Source::Direction(to_light) => {
                 (unit(to_light), 1.0, 1.0, Some((to_light, f64::INFINITY)))

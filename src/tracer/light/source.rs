@@ -15,6 +15,8 @@ use crate::tracer::{
 pub(crate) enum Source {
     /// All directions.
     Everywhere,
+    /// The surroundings, which only paths find.
+    Surroundings,
     /// The viewer.
     Viewer,
     /// This direction, of any length, from all surfaces.

@@ -24,7 +24,7 @@ pub(crate) struct Bsdf {
     /// The part of light that is scattered evenly to all sides.
     diffuse: Radiance,
     /// The coat above that, if there is one: the part that gets through it, from each direction, counts.
-    coat: Option<Coat>,
+    coat: Option<ClearCoat>,
     /// Light that is reflected by tiny mirrors.
     gloss: Option<TinyMirrors>,
     /// The part that is reflected as by a mirror.
@@ -35,7 +35,7 @@ pub(crate) struct Bsdf {
 
 /// The upper side of a diffuse surface, which reflects this part of light that arrives along the normal.
 #[derive(Clone, Copy, Debug)]
-struct Coat {
+struct ClearCoat {
     facets: Microfacets,
     f0: f64,
 }
@@ -94,7 +94,7 @@ impl Scattering {
     }
 }
 
-impl Coat {
+impl ClearCoat {
     /// Returns the part of light from a direction that gets through.
     fn passes(&self, cosine: f64) -> f64 {
         1.0 - reflected(self.f0, self.facets.parts(cosine))
@@ -175,7 +175,7 @@ impl Bsdf {
             layer(color, metallic),
         ];
         let fresnel = Reflectance::Layers(layers);
-        let coat = Coat { facets, f0 };
+        let coat = ClearCoat { facets, f0 };
         let through = coat.passes(cosine) / (1.0 - reflected(f0, facets.mean_parts()));
         let diffuse = color * (1.0 - metallic);
         let (gloss, mirror) = match facets.is_smooth() {

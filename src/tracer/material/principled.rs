@@ -4,6 +4,7 @@ use crate::tracer::{
     color::Color,
     error::GeometryError,
     material::{
+        glass::INDICES,
         lobes::{Layered, Lobes},
         microfacet::Microfacets,
         parameters::{Number, parameters},
@@ -13,8 +14,6 @@ use crate::tracer::{
 
 /// The least roughness of a surface that is not smooth.
 pub(crate) const LEAST_ROUGHNESS: f64 = 0.01;
-/// The limits of its index of refraction.
-pub(crate) const COAT_INDICES: [f64; 2] = [1.0, 4.0];
 
 parameters! {
     /// A surface of metal, or of a coat above a diffuse one, or a mixture of both (as in glTF 2.0, appendix
@@ -38,7 +37,7 @@ impl Principled {
     ///
     /// # Errors
     ///
-    /// Returns an error if `metallic` lies outside of 0..=1, `ior` outside of 1..=4, or if `roughness` is
+    /// Returns an error if `metallic` lies outside of 0..=1, `ior` outside of 0.25..=4, or if `roughness` is
     /// neither 0 nor in 0.01..=1.
     pub fn new(
         color: Color,
@@ -50,7 +49,7 @@ impl Principled {
             color,
             metallic: in_range(metallic, "metallic", [0.0, 1.0])?,
             roughness: rough(roughness)?,
-            ior: in_range(ior, "ior", COAT_INDICES)?,
+            ior: in_range(ior, "ior", INDICES)?,
             facets: Microfacets::new(roughness),
         })
     }

@@ -65,6 +65,7 @@ use crate::tracer::{
         sphere::Sphere,
         working::Working,
     },
+    vector::unit,
 };
 
 /// Defines the enum of all shapes and the methods that each shape implements in its own file.
@@ -488,6 +489,24 @@ impl Shape {
                 part.is_some_and(|(_, shape, face)| shape.is_pane(face))
             }
             _ => self.is_flat(),
+        }
+    }
+
+    /// Returns the unit normal of a triangle of a mesh that is shaded as if it were curved.
+    pub(crate) fn flat_normal(&self, face: u64) -> Option<DVec3> {
+        let mapped = |transform: &Transform, normal| unit(transform.normal(normal));
+        match self {
+            Self::Mesh(mesh) if mesh.is_smooth() => Some(mesh.plane(face)?.unit_normal()),
+            Self::Placed(placed) => {
+                let normal = placed.shape().flat_normal(face)?;
+                Some(mapped(placed.transform(), normal))
+            }
+            Self::Instances(copies) => {
+                let (_, shape, inner) = copies.part_of(face)?;
+                let normal = shape.flat_normal(inner)?;
+                Some(mapped(&copies.transform(copies.copy_of(face))?, normal))
+            }
+            _ => None,
         }
     }
 

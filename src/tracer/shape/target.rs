@@ -333,7 +333,7 @@ pub(crate) fn to_ball((to, radius): (DVec3, f64), l: DVec3) -> f64 {
 }
 
 /// Returns a unit vector, evenly distributed, by its height above an axis.
-fn on_ball([u, v]: UnitPair, axis: DVec3) -> DVec3 {
+pub(crate) fn on_ball([u, v]: UnitPair, axis: DVec3) -> DVec3 {
     let z = 1.0 - 2.0 * u;
     let radius = (1.0 - z * z).max(0.0).sqrt();
     let [cosine, sine] = circle(v);

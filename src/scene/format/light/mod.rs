@@ -2,14 +2,20 @@
 
 pub(crate) mod ambient;
 pub(crate) mod directional;
+pub(crate) mod environment;
 pub(crate) mod headlight;
 mod kind;
 pub(crate) mod point;
 pub(crate) mod spot;
 
 pub use self::{
-    ambient::AmbientLightModel, directional::DirectionalLightModel, headlight::HeadlightLightModel,
-    kind::FalloffModel, point::PointLightModel, spot::SpotLightModel,
+    ambient::AmbientLightModel,
+    directional::DirectionalLightModel,
+    environment::{EnvironmentLightModel, SkyModel},
+    headlight::HeadlightLightModel,
+    kind::FalloffModel,
+    point::PointLightModel,
+    spot::SpotLightModel,
 };
 
 use glam::DVec3;
@@ -26,6 +32,8 @@ variants! {
         Ambient(AmbientLightModel) | AmbientLight,
         /// Light from the viewer along every ray, mirrored ones as well; it casts no shadows.
         Headlight(HeadlightLightModel),
+        /// Light from the surroundings, where light follows paths: rays that hit nothing show it.
+        Environment(EnvironmentLightModel) | EnvironmentLight | Dome | Background,
         /// Parallel light, as from the sun.
         Directional(DirectionalLightModel) | DirectionalLight | DistantLight | Sun,
         /// Light from a point in all directions.

@@ -15,8 +15,8 @@ object! {
         color: Color,
         /// The roughness of the coat, 0 for a mirror, or 0.01 to 1; 0.3 is the default.
         roughness: Roughness = 0.3,
-        /// The index of refraction of the coat, from 1 to 4; 1.5 is the default.
-        ior: CoatIndex = 1.5,
+        /// The index of refraction of the coat, from 0.25 to 4; 1.5 is the default.
+        ior: Refraction = 1.5,
     }
 }
 

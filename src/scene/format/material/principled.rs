@@ -17,8 +17,8 @@ object! {
         metallic | metalness: Fraction = 0.0,
         /// The roughness, 0 for a mirror, or 0.01 to 1; 0.5 is the default.
         roughness: Roughness = 0.5,
-        /// The index of refraction of the coat, from 1 to 4; 1.5 is the default.
-        ior: CoatIndex = 1.5,
+        /// The index of refraction of the coat, from 0.25 to 4; 1.5 is the default.
+        ior: Refraction = 1.5,
     }
 }
 
