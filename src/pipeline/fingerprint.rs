@@ -266,6 +266,9 @@ impl Fingerprint {
                 Parameter::Number(_, number) => self.number(number),
             });
         }
+        if let Some(glass) = material.glass().filter(|glass| glass.roughness() > 0.0) {
+            self.number(glass.roughness());
+        }
         self.color(material.color());
     }
 

@@ -24,8 +24,11 @@ use crate::{
         color::Color,
         geometry::Geometry,
         hit::Hit,
-        light::{Ambient, Cone, Directional, Headlight, Light, Point, Spot, falloff::Falloff},
-        material::{Emissive, Glass, Material, Phong},
+        light::{
+            Ambient, Cone, Directional, Environment, Headlight, Light, Point, Spot,
+            falloff::Falloff,
+        },
+        material::{Emissive, Glass, Material, Phong, Principled},
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
@@ -73,11 +76,20 @@ fn color(random: &mut Rng) -> Color {
 
 fn material(random: &mut Rng) -> Material {
     let first = color(random);
-    match random.below(9) {
+    match random.below(10) {
         0 => Material::Mirror(first),
+        6 => {
+            let (metallic, roughness) =
+                (random.one(&[0.0, 0.5, 1.0]), random.one(&[0.0, 0.1, 0.6]));
+            Principled::new(first, metallic, roughness, random.one(&[1.0, 1.5, 3.0]))
+                .unwrap()
+                .into()
+        }
         1 => {
             let ior = random.one(&[0.25, 0.7, 1.0, 1.33, 1.5, 4.0]);
-            Glass::new(first, ior).unwrap().into()
+            let glass = Glass::new(first, ior).unwrap();
+            let roughness = random.one(&[0.0, 0.0, 0.3]);
+            glass.with_roughness(roughness).unwrap().into()
         }
         2 => Material::Flat(first),
         3 => Emissive::new(first, random.magnitude(-1.0, 2.0))
@@ -108,10 +120,13 @@ fn light(random: &mut Rng, middle: DVec3, size: f64, geometries: &[Geometry]) ->
         position = sphere.center() + out * DVec3::Y;
     }
     let towards = random.vector() + 1e-9 * DVec3::X;
-    match random.below(6) {
+    match random.below(7) {
+        6 => Environment::new(hue, intensity).unwrap().into(),
         0 => Ambient::new(hue, intensity).unwrap().into(),
         1 => Headlight::new(hue, intensity).unwrap().into(),
         2 => Directional::new(towards, hue, intensity, shadows)
+            .unwrap()
+            .with_angle(random.one(&[0.0, 5.0]))
             .unwrap()
             .into(),
         3 => {
@@ -124,6 +139,8 @@ fn light(random: &mut Rng, middle: DVec3, size: f64, geometries: &[Geometry]) ->
             spot.unwrap().into()
         }
         _ => Point::new(position, hue, intensity, falloff, shadows)
+            .unwrap()
+            .with_radius(random.one(&[0.0, 0.3 * size]))
             .unwrap()
             .into(),
     }
@@ -542,7 +559,7 @@ fn shaded_pictures_are_those_of_the_plain_definition() {
 #[test]
 fn an_explained_sample_names_the_first_neighbor_that_outlines_it() {
     let mut outlined = 0;
-    for seed in 0..cases(150) as u64 {
+    for seed in 0..cases(600) as u64 {
         let mut random = Rng(seed.wrapping_mul(0x2468_ace1) | 1);
         let case = Case::new(&mut random);
         let (column, row) = (

@@ -20,7 +20,10 @@ use glam::DVec3;
 
 use crate::tracer::{
     hit::Hit,
-    material::glass::{Fresnel, Glass},
+    material::{
+        glass::{Fresnel, Glass},
+        microfacet::Microfacets,
+    },
     radiance::Radiance,
     ray::Ray,
     shape::{
@@ -365,6 +368,14 @@ impl Interface {
     pub(crate) fn is_joint(&self) -> bool {
         let [before, behind] = self.media();
         self.before.is_some() && self.behind.is_some() && before == behind
+    }
+
+    /// Returns the normals of its tiny mirrors: those of the rougher glass.
+    pub(crate) fn facets(&self) -> Option<Microfacets> {
+        let all = [self.before, self.behind].into_iter().flatten();
+        let rough = all.filter(|glass| !glass.facets().is_smooth());
+        let rougher = rough.max_by(|one, other| one.roughness().total_cmp(&other.roughness()));
+        Some(*rougher?.facets())
     }
 
     /// The factor of light that comes through.

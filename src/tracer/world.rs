@@ -253,6 +253,16 @@ impl World {
         }
     }
 
+    /// Returns true if there is rough glass.
+    pub(crate) fn has_rough_glass(&self) -> bool {
+        let mut materials = self.geometries.iter().flat_map(Geometry::materials);
+        materials.any(|material| {
+            material
+                .glass()
+                .is_some_and(|glass| glass.roughness() > 0.0)
+        })
+    }
+
     /// Returns true if there is glass other than panes.
     pub(crate) fn has_solid_glass(&self) -> bool {
         let is_solid = |it: &Geometry| it.has_glass() && !it.shape().is_flat();

@@ -33,8 +33,10 @@ use crate::{
         contact::{Crossed, Departure, Interface},
         light::{source::Source, transport::PathOptions},
         material::{
-            bsdf::{Bsdf, Onto},
+            bsdf::{Bsdf, Onto, Scattering},
             glass::Glass,
+            microfacet::Microfacets,
+            rough_glass::RoughGlass,
         },
         radiance::Radiance,
         ray::Ray,
@@ -62,8 +64,8 @@ pub(crate) struct PathTracer<'a, Q> {
     ambient: Radiance,
     /// The light of all headlights.
     headlight: Radiance,
-    /// True if solid glass stops shadow rays, and there is any.
-    stops_at_solids: bool,
+    /// True if some glass stops shadow rays: solid glass unless these go through it, and rough glass.
+    stops_at_glass: bool,
     is_transparent: bool,
 }
 
@@ -120,6 +122,37 @@ impl FirstFace {
     }
 }
 
+/// A point of a surface that scatters light.
+struct PathVertex<'v, 'a> {
+    surface: &'v Surface<'a>,
+    frame: LocalFrame,
+    lobes: VertexLobes,
+}
+
+/// What scatters the light.
+enum VertexLobes {
+    Opaque(Bsdf),
+    Glass(RoughGlass),
+}
+
+impl PathVertex<'_, '_> {
+    /// Returns the light that comes from the direction of a unit vector: none if the face lies between, whose
+    /// normal for shading may be another.
+    fn from(&self, l: DVec3) -> Scattering {
+        let Surface { hit, v, n, .. } = self.surface;
+        let on_side = |normal: DVec3| (normal.dot(l) > 0.0) == (normal.dot(*v) > 0.0);
+        let flat = hit.geometry.shape().flat_normal(hit.face);
+        if flat.is_some_and(|flat| on_side(flat) != on_side(*n)) {
+            return Scattering::NONE;
+        }
+        let local = self.frame.inward(l);
+        match &self.lobes {
+            VertexLobes::Opaque(bsdf) => bsdf.from(local),
+            VertexLobes::Glass(glass) => glass.from(local),
+        }
+    }
+}
+
 impl<Q: Queries> Integrate for PathTracer<'_, Q> {
     /// Returns the mean of the samples of the pixel at the bottom left, whatever their place in it.
     fn trace(&self, ray: &Ray) -> Shaded {
@@ -165,7 +198,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             emitters: Emitters::new(world).into(),
             ambient: sum(|source| matches!(source, Source::Everywhere)),
             headlight: sum(|source| matches!(source, Source::Viewer)),
-            stops_at_solids: options.caustics && world.has_solid_glass(),
+            stops_at_glass: options.caustics && world.has_solid_glass() || world.has_rough_glass(),
             is_transparent,
         }
     }
@@ -374,56 +407,80 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         if bsdf.is_mirror() {
             return mirrored(state, bsdf.mirror());
         }
-        let depth = path.depth;
-        let [_, lobe] = sampler.at(depth, Purpose::Choice);
-        self.shine(surface, (&bsdf, &frame), state, sampler);
-        let l = match bsdf.sample(lobe, sampler.at(depth, Purpose::Direction)) {
-            Onto::Mirror(factor) => return mirrored(state, factor),
+        let vertex = PathVertex {
+            surface,
+            frame,
+            lobes: VertexLobes::Opaque(bsdf),
+        };
+        self.shine(&vertex, state, sampler);
+        let [_, lobe] = sampler.at(path.depth, Purpose::Choice);
+        match bsdf.sample(lobe, sampler.at(path.depth, Purpose::Direction)) {
+            Onto::Mirror(factor) => mirrored(state, factor),
             Onto::Direction(l, is_diffuse) => {
                 state.diffuse_depth += u32::from(is_diffuse);
-                l
+                self.scatter(&vertex, l, state, sampler)
             }
-        };
-        let scattering = bsdf.from(l);
-        let l = frame.outward(l);
-        if !leaves(surface, l) {
+        }
+    }
+
+    /// Returns how a path goes on in a direction that was chosen in the frame of a vertex.
+    fn scatter(
+        &self,
+        vertex: &PathVertex,
+        l: DVec3,
+        state: &mut PathState,
+        sampler: &Sampler,
+    ) -> Option<Path> {
+        let (surface, l) = (vertex.surface, vertex.frame.outward(l));
+        let path = surface.path;
+        let scattering = vertex.from(l);
+        if scattering.density <= 0.0 {
             return None;
         }
         let mut factor = path.factor * scattering.all / scattering.density;
-        if scattering.density <= 0.0 || factor == Radiance::BLACK {
+        if factor == Radiance::BLACK {
             return None;
         }
-        if depth >= ROULETTE {
+        if path.depth >= ROULETTE {
             let goes_on = factor.max_channel().min(MOST_LIKELY);
-            let [u, _] = sampler.at(depth, Purpose::Roulette);
+            let [u, _] = sampler.at(path.depth, Purpose::Roulette);
             if u >= goes_on {
                 return None;
             }
             factor = factor / goes_on;
         }
         let share = scattering.diffuse_share();
-        if depth == 0 {
+        if path.depth == 0 {
             state.direct = share;
         }
         state.diffuse = share;
         state.last = Some((surface.hit.point, scattering.density));
         state.has_scattered = true;
         state.is_caustic = false;
-        Some(self.onward(surface, l, factor))
+        Some(Path {
+            ray: Ray::new(surface.hit.point, l),
+            start: Some(self.start_toward(vertex, l)),
+            depth: path.depth + 1,
+            factor,
+        })
+    }
+
+    /// Returns where rays begin that leave a vertex in a direction.
+    fn start_toward(&self, vertex: &PathVertex, l: DVec3) -> Departure {
+        let start = self.start(vertex.surface);
+        match l.dot(vertex.surface.n) > 0.0 {
+            true => start.clone(),
+            false => start.through(vertex.surface.path.ray.direction()),
+        }
     }
 
     /// Adds the light of an emitter that is chosen by a number, and of the headlights.
-    fn shine(
-        &self,
-        surface: &Surface,
-        (bsdf, frame): (&Bsdf, &LocalFrame),
-        state: &mut PathState,
-        sampler: &Sampler,
-    ) {
+    fn shine(&self, vertex: &PathVertex, state: &mut PathState, sampler: &Sampler) {
+        let surface = vertex.surface;
         let path = surface.path;
         let [u, _] = sampler.at(path.depth, Purpose::Choice);
         if !state.has_scattered && self.headlight != Radiance::BLACK {
-            let scattering = bsdf.from(frame.inward(surface.v));
+            let scattering = vertex.from(surface.v);
             let light = path.factor * scattering.all * PI * self.headlight;
             self.add_scattered(state, path, scattering.diffuse_share(), light);
         }
@@ -436,12 +493,15 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let Some(aim) = self.emitters.aim(self.world, number, from, pair) else {
             return;
         };
-        let scattering = bsdf.from(frame.inward(aim.l));
-        if scattering.all == Radiance::BLACK || !leaves(surface, aim.l) {
+        let scattering = vertex.from(aim.l);
+        if scattering.all == Radiance::BLACK {
             return;
         }
         let transmission = match aim.shadow {
-            Some(shadow) => self.transmission(surface, shadow),
+            Some(shadow) => {
+                let start = self.start_toward(vertex, aim.l);
+                self.transmission(surface, &start, shadow)
+            }
             None => Radiance::WHITE,
         };
         if transmission == Radiance::BLACK {
@@ -452,15 +512,43 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             None => scattered * PI * aim.light * transmission / probability,
             Some(density) => {
                 let p = probability * density;
-                let q = if aim.is_found {
-                    scattering.density
-                } else {
-                    0.0
+                let q = match aim.is_found {
+                    true => scattering.density,
+                    false => 0.0,
                 };
                 scattered * aim.light * transmission * p / (p * p + q * q)
             }
         };
         self.add_scattered(state, path, scattering.diffuse_share(), light);
+    }
+
+    /// Returns how a path goes on at a rough surface between two media.
+    fn rough_glass(
+        &self,
+        surface: &Surface,
+        (interface, facets): (&Interface, Microfacets),
+        state: &mut PathState,
+        sampler: &Sampler,
+    ) -> Option<Path> {
+        let path = surface.path;
+        let material = surface.hit.material();
+        state.color.get_or_insert_with(|| material.color());
+        if self.is_exhausted(path, state) {
+            return None;
+        }
+        let frame = LocalFrame::new(surface.n);
+        let eta = interface.fresnel(surface.n.dot(surface.v)).eta;
+        let behind = (eta, interface.color());
+        let glass = RoughGlass::new(frame.inward(surface.v), facets, behind, interface.is_pane);
+        let vertex = PathVertex {
+            surface,
+            frame,
+            lobes: VertexLobes::Glass(glass),
+        };
+        self.shine(&vertex, state, sampler);
+        let [_, u] = sampler.at(path.depth, Purpose::Choice);
+        let l = glass.sample(u, sampler.at(path.depth, Purpose::Direction))?;
+        self.scatter(&vertex, l, state, sampler)
     }
 
     /// Adds light that a surface scatters, of which its diffuse lobe scatters a part.
@@ -506,17 +594,25 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     }
 
     /// Returns the part of the light that comes through on a shadow ray.
-    fn transmission(&self, surface: &Surface, (direction, t_max): (DVec3, f64)) -> Radiance {
-        let start = self.start(surface);
+    fn transmission(
+        &self,
+        surface: &Surface,
+        start: &Departure,
+        (direction, t_max): (DVec3, f64),
+    ) -> Radiance {
         let ray = Ray::new(surface.hit.point, direction);
         let light = self.queries.transmission(&ray, t_max, start);
         let goes_through = light != Radiance::BLACK && light != Radiance::WHITE;
-        if goes_through && self.stops_at_solids {
+        if goes_through && self.stops_at_glass {
             let (start, mut is_stopped) = (self.queries.known(start), false);
             self.world.each_in_the_way(&ray, t_max, &start, |passed| {
                 let FaceId { geometry, face } = passed.face;
                 let shape = self.world.geometries()[geometry].shape();
-                is_stopped |= !shape.is_pane(face);
+                is_stopped |= self.options.caustics && !shape.is_pane(face);
+                let material = self.world.hit_on(&ray, passed.t, passed.face).material();
+                is_stopped |= material
+                    .glass()
+                    .is_some_and(|glass| glass.roughness() > 0.0);
             });
             if is_stopped {
                 return Radiance::BLACK;
@@ -560,6 +656,9 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             }
             return Some(surface.straight(color, start).path);
         }
+        if let Some(facets) = interface.facets() {
+            return self.rough_glass(surface, (interface, facets), state, sampler);
+        }
         let fresnel = interface.fresnel(surface.n.dot(surface.v));
         let [_, u] = sampler.at(path.depth, Purpose::Choice);
         let is_reflected = u < fresnel.reflected;
@@ -587,10 +686,4 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let onward = surface.onward(surface.refracted(&fresnel), color, through);
         Some(onward.path)
     }
-}
-
-/// Returns true if a direction leads away from the face of a surface, whose normal for shading may be another.
-fn leaves(surface: &Surface, l: DVec3) -> bool {
-    let flat = surface.hit.geometry.shape().flat_normal(surface.hit.face);
-    flat.is_none_or(|flat| (flat.dot(l) > 0.0) == (flat.dot(surface.v) > 0.0))
 }

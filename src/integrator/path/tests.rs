@@ -442,3 +442,63 @@ fn surroundings_light_a_floor_and_are_seen() {
         assert_eq!(direct.radiance(&down(0.0)), Radiance::BLACK);
     }
 }
+
+// Light stays inside for long, so that a few paths end before.
+#[test]
+fn rough_glass_sends_on_all_light() {
+    for roughness in [0.1, 0.3, 0.5, 0.75, 1.0] {
+        let glass = Glass::new(Color::WHITE, 1.5).unwrap();
+        let (found, error) = furnace(glass.with_roughness(roughness).unwrap());
+        assert!(
+            (found - 1.0).abs() < 0.012,
+            "{roughness}: {found} ± {error}"
+        );
+    }
+    // Between parallel panes, nothing is lost but at grazing angles.
+    let pane = Glass::new(Color::WHITE, 1.5).unwrap().with_roughness(0.4);
+    let disc = Disc::new(DVec3::ZERO, DVec3::Z, 4.0).unwrap();
+    let lamp = Emissive::new(Color::WHITE, 1.0).unwrap();
+    let scene = vec![
+        sphere(DVec3::ZERO, 50.0, lamp),
+        Geometry::new(disc, pane.unwrap()),
+    ];
+    let world = by_paths(scene, vec![], (options(1 << 14), 32));
+    let ray = Ray::new(DVec3::new(0.1, 0.2, 3.0), unit(DVec3::new(0.3, 0.1, -1.0)));
+    let (found, error) = mean(&world, &ray);
+    assert!((found - 1.0).abs() < 0.002 + error, "{found} ± {error}");
+}
+
+// A lamp seen through rough glass is as bright by aiming as by chance.
+#[test]
+fn rough_glass_scatters_what_is_aimed_at_as_what_is_found() {
+    for is_pane in [false, true] {
+        let glass = Glass::new(half(), 1.5)
+            .unwrap()
+            .with_roughness(0.5)
+            .unwrap();
+        let shape: Shape = match is_pane {
+            true => Disc::new(DVec3::ZERO, DVec3::Z, 2.0).unwrap().into(),
+            false => Plane::new(DVec3::ZERO, DVec3::Z).unwrap().into(),
+        };
+        let lamp = Emissive::new(Color::WHITE, 1.0).unwrap();
+        for z in [-3.0, 3.0] {
+            let lamp = sphere(DVec3::new(0.5, 0.3, z), 1.0, lamp);
+            let scene = vec![Geometry::new(shape.clone(), glass), lamp];
+            let world = by_paths(scene, vec![], (options(1 << 14), 1));
+            let ray = Ray::new(DVec3::new(0.0, 2.0, 3.0), unit(DVec3::new(0.0, -2.0, -3.0)));
+            let aimed = mean(&world, &ray);
+            let lighting = world.lighting().unwrap();
+            let options = *world.paths().unwrap();
+            let mut paths = PathTracer::new(&world, lighting, options, &world, false);
+            paths.emitters = Arc::default();
+            let count = 1 << 17;
+            let sum = (0..count).fold(0.0, |sum, sample| {
+                let sampler = Sampler::new([1, 1], sample, 0);
+                sum + paths.sample(ray, &sampler).light.parts.sum().r()
+            });
+            let by_chance = sum / f64::from(count);
+            let apart = (aimed.0 / by_chance - 1.0).abs();
+            assert!(apart < 0.03, "{is_pane} {z} {aimed:?} {by_chance}");
+        }
+    }
+}

@@ -15,7 +15,7 @@ use crate::{
             source::{BRIGHTEST, LARGEST, WIDEST},
             transport::PathOptions,
         },
-        material::{glass::INDICES, phong::SHARPEST, principled::LEAST_ROUGHNESS},
+        material::{glass::INDICES, microfacet::LEAST_ROUGHNESS, phong::SHARPEST},
     },
 };
 

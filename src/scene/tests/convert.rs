@@ -212,6 +212,7 @@ impl Rng {
             }),
             3 => MaterialModel::Glass(GlassModel {
                 color: self.maybe(Self::color),
+                roughness: self.maybe(Self::number),
                 ior: self.maybe(Self::number),
             }),
             4 => MaterialModel::Flat(FlatModel {

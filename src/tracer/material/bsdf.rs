@@ -77,7 +77,8 @@ pub(crate) enum Onto {
 }
 
 impl Scattering {
-    const NONE: Self = Self {
+    /// None.
+    pub(crate) const NONE: Self = Self {
         diffuse: Radiance::BLACK,
         all: Radiance::BLACK,
         density: 0.0,

@@ -5,6 +5,7 @@ use crate::tracer::{
     error::GeometryError,
     material::{
         lobes::Lobes,
+        microfacet::{Microfacets, rough},
         parameters::{Number, parameters},
     },
     vector::in_range,
@@ -20,6 +21,7 @@ parameters! {
         color: Color,
         /// The index of refraction.
         ior: Number,
+        ; facets: Microfacets
     }
 }
 
@@ -42,7 +44,28 @@ impl Glass {
     /// Returns an error if the index of refraction, `ior`, lies outside of 0.25..=4.
     pub fn new(color: Color, ior: f64) -> Result<Self, GeometryError> {
         let ior = in_range(ior, "ior", INDICES)?;
-        Ok(Self { color, ior })
+        let facets = Microfacets::new(0.0);
+        Ok(Self { color, ior, facets })
+    }
+
+    /// Gives the glass a roughness, which it has where light follows paths: 0 for a smooth surface.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the roughness is neither 0 nor in 0.01..=1.
+    pub fn with_roughness(self, roughness: f64) -> Result<Self, GeometryError> {
+        let facets = Microfacets::new(rough(roughness)?);
+        Ok(Self { facets, ..self })
+    }
+
+    /// The roughness.
+    pub fn roughness(&self) -> f64 {
+        self.facets.roughness()
+    }
+
+    /// The distribution of its normals.
+    pub(crate) const fn facets(&self) -> &Microfacets {
+        &self.facets
     }
 
     /// Returns the reflection and refraction of a ray that meets the surface at an angle with this

@@ -14,16 +14,19 @@ use std::{
 use glam::DVec3;
 
 use crate::tracer::{
+    error::GeometryError,
     sampling::{UnitPair, circle},
-    vector::unit,
+    vector::{in_range, unit},
 };
 
 /// The number of angles in a table of reflected parts.
-const NODES: usize = 64;
+pub(super) const NODES: usize = 64;
 /// The number of midpoints of each of two numbers, over which a part is averaged.
 const MIDPOINTS: u32 = 64;
 /// The smallest cosine of the angle of the viewer.
 pub(crate) const LEAST_COSINE: f64 = 1e-12;
+/// The least roughness of a surface that is not smooth.
+pub(crate) const LEAST_ROUGHNESS: f64 = 0.01;
 /// The smallest α.
 const LEAST_ALPHA: f64 = 1e-4;
 
@@ -61,6 +64,16 @@ impl Microfacets {
         let new = || -> &'static _ { Box::leak(Box::new(OnceLock::new())) };
         let parts = *all.entry(alpha.to_bits()).or_insert_with(new);
         Self { alpha, parts }
+    }
+
+    /// The square of the roughness.
+    pub(super) const fn alpha(&self) -> f64 {
+        self.alpha
+    }
+
+    /// The roughness.
+    pub(crate) fn roughness(&self) -> f64 {
+        self.alpha.sqrt()
     }
 
     /// Returns true for a plain mirror.
@@ -123,9 +136,7 @@ impl Microfacets {
             return [1.0 - f, f];
         }
         let ReflectedParts { nodes, .. } = self.table();
-        let place = (cosine.sqrt() * (NODES - 1) as f64).clamp(0.0, (NODES - 2) as f64) as usize;
-        let [low, high] = [place, place + 1].map(node);
-        let part = ((cosine - low) / (high - low)).clamp(0.0, 1.0);
+        let (place, part) = place_of(cosine);
         let between = |channel: usize| {
             let (low, high) = (nodes[place][channel], nodes[place + 1][channel]);
             low + (high - low) * part
@@ -168,12 +179,19 @@ impl Microfacets {
 }
 
 /// Returns the cosine of a node, of which there are more near 0.
-fn node(place: usize) -> f64 {
+pub(super) fn node(place: usize) -> f64 {
     let part = place as f64 / (NODES - 1) as f64;
     match place {
         0 => 1e-4,
         _ => part * part,
     }
+}
+
+/// Returns the node before a cosine, and the part of the way to the next one.
+pub(super) fn place_of(cosine: f64) -> (usize, f64) {
+    let place = (cosine.sqrt() * (NODES - 1) as f64).clamp(0.0, (NODES - 2) as f64) as usize;
+    let [low, high] = [place, place + 1].map(node);
+    (place, ((cosine - low) / (high - low)).clamp(0.0, 1.0))
 }
 
 /// Returns the mean, weighted by the cosine, of the lines between nodes.
@@ -197,6 +215,14 @@ pub(crate) fn each_midpoint(mut see: impl FnMut(UnitPair, f64)) {
             let weight = 2.0 * t / f64::from(MIDPOINTS * MIDPOINTS);
             see([1.0 - t * t, middle(other)], weight);
         }
+    }
+}
+
+/// Returns a roughness if it is valid.
+pub(super) fn rough(roughness: f64) -> Result<f64, GeometryError> {
+    match roughness == 0.0 {
+        true => Ok(roughness),
+        false => in_range(roughness, "roughness", [LEAST_ROUGHNESS, 1.0]),
     }
 }
 

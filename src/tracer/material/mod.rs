@@ -15,6 +15,7 @@ mod mirror;
 pub(crate) mod parameters;
 pub(crate) mod phong;
 pub(crate) mod principled;
+pub(crate) mod rough_glass;
 
 pub use self::{
     binding::{Corners, Interpolation},

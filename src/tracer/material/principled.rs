@@ -6,14 +6,11 @@ use crate::tracer::{
     material::{
         glass::INDICES,
         lobes::{Layered, Lobes},
-        microfacet::Microfacets,
+        microfacet::{Microfacets, rough},
         parameters::{Number, parameters},
     },
     vector::in_range,
 };
-
-/// The least roughness of a surface that is not smooth.
-pub(crate) const LEAST_ROUGHNESS: f64 = 0.01;
 
 parameters! {
     /// A surface of metal, or of a coat above a diffuse one, or a mixture of both (as in glTF 2.0, appendix
@@ -52,14 +49,6 @@ impl Principled {
             ior: in_range(ior, "ior", INDICES)?,
             facets: Microfacets::new(roughness),
         })
-    }
-}
-
-/// Returns a roughness if it is valid.
-fn rough(roughness: f64) -> Result<f64, GeometryError> {
-    match roughness == 0.0 {
-        true => Ok(roughness),
-        false => in_range(roughness, "roughness", [LEAST_ROUGHNESS, 1.0]),
     }
 }
 

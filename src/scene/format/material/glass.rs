@@ -15,13 +15,16 @@ object! {
         color: Color = ColorModel::WHITE,
         /// The index of refraction, from 0.25 to 4; 1.5 is the default.
         ior | index: Refraction = 1.5,
+        /// The roughness where light follows paths, 0 for a smooth surface, or 0.01 to 1; 0 is the default.
+        roughness: Roughness = 0.0,
     }
 }
 
 impl MaterialKind for GlassModel {
     fn build(&self) -> Result<Material, GeometryError> {
         let color = self.color().build();
-        Glass::new(color, self.ior()).map(Material::from)
+        let glass = Glass::new(color, self.ior())?;
+        glass.with_roughness(self.roughness()).map(Material::from)
     }
 
     fn is_glass(&self) -> bool {
