@@ -12,6 +12,8 @@ pub(super) struct Found {
     pub(super) tally: Tally,
     /// True if lights may fall on the scene.
     pub(super) is_lit: bool,
+    /// True if light may follow paths.
+    pub(super) follows_paths: bool,
     pub(super) cancel: Option<Cancel>,
 }
 
@@ -22,6 +24,7 @@ impl Found {
             list: Vec::new(),
             tally: Tally::new(most),
             is_lit: false,
+            follows_paths: false,
             cancel: None,
         }
     }

@@ -16,7 +16,7 @@ use crate::{
         },
         problem::{Focus, Problem},
         tables::Tables,
-        validate::found::Found,
+        validate::{found::Found, material::WITHOUT_PATHS},
     },
     tracer::{
         geometry::Geometry,
@@ -54,6 +54,9 @@ impl Found {
     pub(super) fn light(&mut self, light: &LightModel, index: usize) {
         let path = || path_of(index);
         light.each(|field, value| self.field(field, value, path));
+        if let Some(field) = light.size().filter(|_| !self.follows_paths) {
+            self.no_effect(path().field(field), WITHOUT_PATHS);
+        }
         if let Some(vector) = light.to_target() {
             let what = "`look_at` - `position`";
             self.direction(vector, what, || path().field("look_at"));
@@ -77,7 +80,11 @@ impl Found {
     /// Warns about a lit scene that is black.
     pub(super) fn unlit(&mut self, model: &Model, tables: &Tables, frames: Option<&Frames>) {
         let Some(lights) = &model.lights else { return };
-        let is_bright = |light: &Light| light.glow().radiance().max_channel() > 0.0;
+        let follows_paths = self.follows_paths;
+        let is_bright = |light: &Light| {
+            let is_seen = follows_paths || light.source() != Source::Surroundings;
+            is_seen && light.glow().radiance().max_channel() > 0.0
+        };
         let mut of_parts = tables.lights().flatten();
         let parts = tables.contents().filter_map(|(_, content)| content.part());
         let mut in_parts = parts.flat_map(|part| &part.geometries);

@@ -158,7 +158,7 @@ impl Found {
         }
     }
 
-    fn no_effect(&mut self, path: Path, why: &str) {
+    pub(super) fn no_effect(&mut self, path: Path, why: &str) {
         if self.tally.only_counts(Code::NoEffect) {
             return;
         }
@@ -166,10 +166,14 @@ impl Found {
         let problem = Problem::new(Code::NoEffect, path, Focus::Key, message);
         self.push(match why {
             WITHOUT_LIGHTS => problem.help("add `lights: [Headlight()]`, or remove it"),
+            WITHOUT_PATHS => problem.help("write `lighting: Path()`, or remove it"),
             _ => problem.help("remove it"),
         });
     }
 }
+
+/// Why the size of a light has no effect.
+pub(super) const WITHOUT_PATHS: &str = "only light that follows paths shows it";
 
 const WITHOUT_LIGHTS: &str = "the scene has no `lights`";
 

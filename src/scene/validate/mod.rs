@@ -29,6 +29,7 @@ use crate::{
         format::{
             geometry::{GeometryModel, ordinal::Ordinal, placement::Placement},
             image::ImageModel,
+            lighting::LightingModel,
             scene::Model,
             thing::Thing,
             warning::WarningName,
@@ -71,6 +72,7 @@ pub(crate) fn problems(
     let mut found = Found::new(most);
     found.cancel = aspects.cancel.cloned();
     found.is_lit = is_part || model.lights.is_some() || tables.lights().next().is_some();
+    found.follows_paths = is_part || matches!(model.lighting, Some(LightingModel::Path(_)));
     if let Some(problem) = version(model.version) {
         found.push(problem);
         return (found.list, found.tally);

@@ -29,4 +29,8 @@ impl LightKind for DirectionalLightModel {
         let light = Directional::new(self.direction.into(), color, intensity, shadows)?;
         light.with_angle(self.angle()).map(Light::from)
     }
+
+    fn size(&self) -> Option<&'static str> {
+        (self.angle() > 0.0).then_some("angle")
+    }
 }

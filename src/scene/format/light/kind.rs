@@ -15,6 +15,11 @@ pub(super) trait LightKind {
     /// The light.
     fn build(&self) -> Result<Light, GeometryError>;
 
+    /// Returns the field that gives it a size, if it does.
+    fn size(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Returns the vector to the point that it is directed at, if a point alone directs it and all
     /// numbers are finite.
     fn to_target(&self) -> Option<DVec3> {

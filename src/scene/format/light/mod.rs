@@ -54,6 +54,11 @@ impl LightModel {
         of_each!(self, light => light.build())
     }
 
+    /// Returns the field that gives it a size, if it does.
+    pub(crate) fn size(&self) -> Option<&'static str> {
+        of_each!(self, light => light.size())
+    }
+
     /// Returns the vector to the point that it is directed at, if a point alone directs it and all
     /// numbers are finite.
     pub(crate) fn to_target(&self) -> Option<DVec3> {

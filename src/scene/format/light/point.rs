@@ -31,4 +31,8 @@ impl LightKind for PointLightModel {
         let point = Point::new(self.position.into(), color, intensity, falloff, shadows)?;
         point.with_radius(self.radius()).map(Light::from)
     }
+
+    fn size(&self) -> Option<&'static str> {
+        (self.radius() > 0.0).then_some("radius")
+    }
 }

@@ -54,4 +54,8 @@ impl LightKind for SpotLightModel {
         let [from, to] = [self.position, target].map(DVec3::from);
         (from.is_finite() && to.is_finite()).then(|| to - from)
     }
+
+    fn size(&self) -> Option<&'static str> {
+        (self.radius() > 0.0).then_some("radius")
+    }
 }
