@@ -111,19 +111,6 @@ impl Bundle {
         }
     }
 
-    /// Returns the bundle of other rays, with the same `t`.
-    pub(crate) fn mapped(&self, map: impl Fn(&Ray) -> Ray) -> Self {
-        let mut mapped = self.clone();
-        for lane in 0..BUNDLE {
-            let ray = map(&self.ray(lane));
-            for axis in 0..3 {
-                mapped.origins[axis][lane] = ray.origin()[axis];
-                mapped.directions[axis][lane] = ray.direction()[axis];
-            }
-        }
-        mapped
-    }
-
     /// x, y and z of the origins.
     pub(crate) const fn origins(&self) -> &[[f64; BUNDLE]; 3] {
         &self.origins
@@ -142,6 +129,11 @@ impl Bundle {
     /// The `t` before which each ray ends.
     pub(crate) const fn t_max(&self) -> &[f64; BUNDLE] {
         &self.t_max
+    }
+
+    /// Ends a ray before a `t`.
+    pub(crate) fn end(&mut self, lane: usize, t_max: f64) {
+        self.t_max[lane] = t_max;
     }
 
     /// Returns a ray.
