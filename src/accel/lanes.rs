@@ -131,11 +131,9 @@ pub(super) fn may_meet<S: Simd>(
     let reach = abs(from[0]).max(abs(from[1])).max(abs(from[2]));
     let reach = reach.max(simd.splat(radius));
     let length = dot(directions, directions).sqrt();
-    let is_ordinary = |length: S::F64| {
-        let [least, most] = [ORDINARY_LENGTHS.start(), ORDINARY_LENGTHS.end()];
-        simd.splat(*least).le(length) & length.le(simd.splat(*most))
-    };
-    let ordinary = is_ordinary(reach) & is_ordinary(length);
+    let [least, longest] = [ORDINARY_LENGTHS.start(), ORDINARY_LENGTHS.end()];
+    let (least, longest) = (simd.splat(*least), simd.splat(*longest));
+    let ordinary = least.le(reach.min(length)) & reach.max(length).le(longest);
     let origin = abs(origins[0]).max(abs(origins[1])).max(abs(origins[2]));
     let most = origin.max(simd.splat(most.max_element()));
     let slack = simd.splat(20.0 * GROWTH) * reach + simd.splat(4.0 * ROUNDING) * most;

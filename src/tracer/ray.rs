@@ -61,6 +61,8 @@ pub(crate) struct Bundle {
     directions: [[f64; BUNDLE]; 3],
     from: f64,
     t_max: [f64; BUNDLE],
+    /// True if any crossing of a ray will do.
+    is_any: bool,
 }
 
 impl Bundle {
@@ -86,7 +88,21 @@ impl Bundle {
             directions,
             from: 0.0,
             t_max,
+            is_any: false,
         }
+    }
+
+    /// Returns the same rays if any crossing of each will do.
+    pub(crate) fn any(self) -> Self {
+        Self {
+            is_any: true,
+            ..self
+        }
+    }
+
+    /// Returns true if any crossing of a ray will do, and not its first one alone.
+    pub(crate) const fn is_any(&self) -> bool {
+        self.is_any
     }
 
     /// Creates a bundle of some rays up to their first crossings, at `t`.

@@ -1,6 +1,8 @@
 //! Eight rays at a time: they walk through the tree of copies together, and into each copy they are mapped in the
 //! lanes of a vector.
 
+use smallvec::SmallVec;
+
 use crate::{
     accel::{
         bundle_of, first_of_each,
@@ -45,6 +47,7 @@ impl Kernel for FirstOfEach<'_> {
             first: First {
                 t: *self.bundle.t_max(),
                 crossings: [None; BUNDLE],
+                is_any: self.bundle.is_any(),
             },
         };
         match &self.index.places {
@@ -68,14 +71,16 @@ struct First {
     /// The `t` before which each ray ends.
     t: [f64; BUNDLE],
     crossings: [Option<Crossing>; BUNDLE],
+    /// True if any will do.
+    is_any: bool,
 }
 
 impl First {
     /// Returns the `t` before which crossings may be first: at an equal `t`, the lower number is.
     fn farthest(&self, lane: usize) -> f64 {
         match self.crossings[lane] {
-            Some(_) => self.t[lane].next_up(),
-            None => self.t[lane],
+            Some(_) if !self.is_any => self.t[lane].next_up(),
+            _ => self.t[lane],
         }
     }
 
@@ -85,7 +90,7 @@ impl First {
             found.t < first.t || (found.t == first.t && found.face < first.face)
         });
         if is_first {
-            self.t[lane] = found.t;
+            self.t[lane] = if self.is_any { 0.0 } else { found.t };
             self.crossings[lane] = Some(found);
         }
     }
@@ -173,6 +178,10 @@ impl Kernel for FirstOfCopy<'_> {
         };
         match &index.prototype {
             Some(prototype) => {
+                // Where a ray meets a shape that it leaves depends on nothing but its direction.
+                for part in copied.left() {
+                    copied.see(simd, part);
+                }
                 let farthest = simd.load(copied.inner.t_max()).largest();
                 let is_known = prototype.places.as_ref().is_some_and(|places| {
                     let rays = [
@@ -204,6 +213,17 @@ impl<S: Simd> Met<S> for CopiedBundle<'_> {
 }
 
 impl CopiedBundle<'_> {
+    /// Returns the shapes of the copy that rays leave.
+    fn left(&self) -> SmallVec<[usize; LANES]> {
+        let faces = self.leaving.iter().flat_map(Leaving::faces);
+        let first = self.copy as u64 * self.of.copies.faces_of_copy();
+        let parts = faces.filter_map(|face| self.of.copies.part_of(first + face));
+        let mut all: SmallVec<_> = parts.map(|(part, ..)| part).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
     /// Tests the copy against the rays that need it, each for itself.
     fn one_by_one(&mut self) {
         let FirstOfEach {
@@ -258,7 +278,7 @@ impl Kernel for FirstOfPart<'_, '_> {
             if let Some(crossing) = met[lane] {
                 let face = number + crossing.face;
                 copied.first.take(lane, Crossing { face, ..crossing });
-                copied.inner.end(lane, crossing.t.next_up());
+                copied.inner.end(lane, copied.first.farthest(lane));
             }
         }
     }
@@ -297,6 +317,48 @@ mod tests {
         })
     }
 
+    /// A ray and the face that it leaves.
+    type Line = (Ray, Option<FaceId>);
+
+    /// Compares what copies with an index answer to some rays with what those without do. Returns the rays that go on
+    /// to a light.
+    fn compare(
+        [plain, quick]: [&Shape; 2],
+        rays: &[Line],
+        (t_max, light): (f64, DVec3),
+    ) -> Vec<Line> {
+        let line = |lane: usize| &rays[lane.min(rays.len() - 1)];
+        let of = |part: fn(&Ray) -> DVec3| {
+            std::array::from_fn(|axis| std::array::from_fn(|lane| part(&line(lane).0)[axis]))
+        };
+        let bundle = Bundle::new(of(Ray::origin), of(Ray::direction), [t_max; BUNDLE]);
+        let leaving: [_; BUNDLE] = std::array::from_fn(|lane| match &line(lane).1 {
+            Some(own) => Leaving::only(own),
+            None => Leaving::NOTHING,
+        });
+        let of =
+            |shape: &Shape| bundle.each(|lane, ray, t_max| shape.meet(ray, leaving[lane], t_max));
+        let expected = of(quick);
+        if rays.iter().all(|(_, own)| own.is_none()) {
+            assert_eq!(of(plain), expected, "{plain:?} {bundle:?}");
+        }
+        let found = quick.first_of_each(&bundle, &leaving);
+        assert_eq!(found, expected, "{plain:?} {bundle:?} {leaving:?}");
+        let any = quick.first_of_each(&bundle.clone().any(), &leaving);
+        let are_met = any.map(|met| met.is_some());
+        assert_eq!(
+            are_met,
+            expected.map(|met| met.is_some()),
+            "{plain:?} {bundle:?}"
+        );
+        let next = (0..BUNDLE).filter_map(|lane| {
+            let first = found[lane]?;
+            let at = bundle.ray(lane).at(first.t);
+            Some((Ray::new(at, light - at), Some(FaceId::of_shape(first.face))))
+        });
+        next.collect()
+    }
+
     #[test]
     fn eight_rays_meet_what_each_of_them_does() {
         let mut rng = Rng(0xc0b1);
@@ -310,27 +372,15 @@ mod tests {
             let quick = plain.of_others(plain.shapes().cloned());
             index_copies(&quick, Builder::new(&pool, rng.one(&isas)));
             let [plain, quick] = [plain, quick].map(Shape::from);
-            let faces = plain.face_count();
             for _ in 0..8 {
-                let rays = rays(&mut rng, size);
-                let of = |part: fn(&Ray) -> DVec3| {
-                    std::array::from_fn(|axis| std::array::from_fn(|lane| part(&rays[lane])[axis]))
-                };
-                let t_max = rays.each_ref().map(|_| rng.one(&[f64::INFINITY, 1.0, 0.0]));
-                let bundle = Bundle::new(of(Ray::origin), of(Ray::direction), t_max);
-                let owns = rays.each_ref().map(|_| match rng.below(4) {
-                    0 => Some(FaceId::of_shape(rng.below(faces as usize) as u64)),
-                    _ => None,
-                });
-                let leaving = owns.each_ref().map(|own: &Option<FaceId>| match own {
-                    Some(own) => Leaving::only(own),
-                    None => Leaving::NOTHING,
-                });
-                let expected =
-                    bundle.each(|lane, ray, t_max| plain.meet(ray, leaving[lane], t_max));
-                let found = quick.first_of_each(&bundle, &leaving);
-                assert_eq!(found, expected, "{plain:?} {bundle:?} {leaving:?}");
-                met += found.iter().flatten().count();
+                let t_max = rng.one(&[f64::INFINITY, f64::INFINITY, 1.0]);
+                let all = rays(&mut rng, size).map(|ray| (ray, None));
+                let light = rng.vector() * 3.0 * size;
+                let next = compare([&plain, &quick], &all, (t_max, light));
+                met += next.len();
+                if !next.is_empty() {
+                    compare([&plain, &quick], &next, (1.0, light));
+                }
             }
         }
         assert!(met > cases(600) * 4, "{met}");

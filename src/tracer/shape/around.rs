@@ -253,6 +253,7 @@ fn triangle_holds_by_roots(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
 
 /// A box and a ball a little smaller than those of an [`Around`], relative to its center: a point inside
 /// both is surely inside the original.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
     pub(crate) center: DVec3,
     pub(crate) low: DVec3,

@@ -344,9 +344,14 @@ impl Instances {
                 });
             }
         };
+        self.each_near(at.around(), &mut test);
+    }
+
+    /// Calls `see` with each copy whose box meets another one, given its corners, and maybe with others.
+    pub(crate) fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {
         match self.index.get() {
-            Some(index) => index.each_near(at.around(), &mut test),
-            None => (0..self.len()).for_each(test),
+            Some(index) => index.each_near(corners, see),
+            None => (0..self.len()).for_each(see),
         }
     }
 
