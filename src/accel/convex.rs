@@ -148,37 +148,43 @@ impl Kernel for LinesOf<'_> {
             load3(simd, self.bundle.origins()),
             load3(simd, self.bundle.directions()),
         ];
-        let lines = match self.shape {
-            Shape::Sphere(it) => sphere(simd, it, self.around, rays),
+        match self.shape {
+            Shape::Cylinder(it) => cylinder(simd, it, rays).stored(),
+            Shape::Cone(it) => cone(simd, it, rays).stored(),
+            Shape::Cuboid(it) => cuboid(simd, it, rays).stored(),
+            Shape::Disc(it) => disc(simd, it, rays).stored(),
+            // A function of its own, so that this one stays small.
+            _ => simd.call(LinesOfOther(self)),
+        }
+    }
+}
+
+/// The part of [`LinesOf`] for the other shapes.
+struct LinesOfOther<'a>(LinesOf<'a>);
+
+impl Kernel for LinesOfOther<'_> {
+    type Output = Option<CrossedLines>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let LinesOf {
+            shape,
+            around,
+            bundle,
+        } = self.0;
+        let rays = [
+            load3(simd, bundle.origins()),
+            load3(simd, bundle.directions()),
+        ];
+        let lines = match shape {
+            Shape::Sphere(it) => sphere(simd, it, around, rays),
             Shape::Ellipsoid(it) => ellipsoid(simd, it, rays),
-            Shape::Cylinder(it) => cylinder(simd, it, rays),
-            Shape::Cone(it) => cone(simd, it, rays),
             Shape::Capsule(it) => capsule(simd, it, rays),
-            Shape::Cuboid(it) => cuboid(simd, it, rays),
-            Shape::Disc(it) => disc(simd, it, rays),
             Shape::Rectangle(it) => rectangle(simd, it, rays),
             Shape::Triangle(it) => triangle(simd, it, rays),
             _ => return None,
         };
-        let (counts, odd) = (
-            [lines.counts[0].bits(), lines.counts[1].bits()],
-            lines.odd.bits(),
-        );
-        if counts[0] | counts[1] | odd == 0 {
-            return None;
-        }
-        let mut crossed = CrossedLines {
-            t: [[0.0; LANES]; 2],
-            faces: [[0.0; LANES]; 2],
-            counts,
-            odd,
-            near: lines.near,
-        };
-        for (end, (t, face)) in lines.ends.into_iter().enumerate() {
-            t.store(&mut crossed.t[end]);
-            face.store(&mut crossed.faces[end]);
-        }
-        Some(crossed)
+        lines.stored()
     }
 }
 
@@ -192,6 +198,28 @@ struct Lines<S: Simd> {
 }
 
 impl<S: Simd> Lines<S> {
+    /// Returns the crossings in memory; `None` if there are none.
+    #[inline(always)]
+    fn stored(self) -> Option<CrossedLines> {
+        let counts = [self.counts[0].bits(), self.counts[1].bits()];
+        let odd = self.odd.bits();
+        if counts[0] | counts[1] | odd == 0 {
+            return None;
+        }
+        let mut crossed = CrossedLines {
+            t: [[0.0; LANES]; 2],
+            faces: [[0.0; LANES]; 2],
+            counts,
+            odd,
+            near: self.near,
+        };
+        for (end, (t, face)) in self.ends.into_iter().enumerate() {
+            t.store(&mut crossed.t[end]);
+            face.store(&mut crossed.faces[end]);
+        }
+        Some(crossed)
+    }
+
     /// Creates the lines that miss a shape.
     #[inline(always)]
     fn none(simd: S, odd: S::Mask) -> Self {

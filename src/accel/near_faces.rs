@@ -312,9 +312,10 @@ impl<S: Simd> Near<S> {
 
     #[inline(always)]
     fn in_box(&self, around: Option<&Around>) -> u8 {
-        around
-            .and_then(Around::bounds)
-            .map_or(u8::MAX, |corners| self.between(corners))
+        match around.and_then(Around::bounds) {
+            Some(corners) => self.between(corners),
+            None => u8::MAX,
+        }
     }
 
     /// Returns the points that may lie in a box.

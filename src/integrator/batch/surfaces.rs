@@ -267,22 +267,26 @@ impl<S: Simd> Surfaces<S> {
         (o, d, t): ([S::F64; 3], [S::F64; 3], S::F64),
         known: Option<[u64; LANES]>,
     ) -> [u64; LANES] {
-        let mut found = FoundSurfaces {
-            normals: stored(self.vector),
-            colors: stored(self.color),
-            highlights: (stored(self.highlight.0), self.highlight.1),
-            kinds: self.kinds,
-        };
+        let mut normals = stored(self.vector);
+        let mut varied = None;
+        if self.kinds.varied != 0 {
+            varied = Some(VariedSurfaces {
+                colors: stored(self.color),
+                highlights: (stored(self.highlight.0), self.highlight.1),
+                kinds: self.kinds,
+            });
+        }
         let mut at = [0.0; LANES];
         t.store(&mut at);
         let rays = (&stored(o), &stored(d), &at);
         let hits = (indices, known, self.others);
-        let faces = find_surfaces(simd, world, hits, rays, &mut found);
-        self.vector = load3(simd, &found.normals);
-        if self.kinds.varied != 0 {
-            self.kinds = found.kinds;
-            self.color = load3(simd, &found.colors);
-            self.highlight = (load3(simd, &found.highlights.0), found.highlights.1);
+        let found = (&mut normals, varied.as_mut());
+        let faces = find_surfaces(simd, world, hits, rays, found);
+        self.vector = load3(simd, &normals);
+        if let Some(varied) = varied {
+            self.kinds = varied.kinds;
+            self.color = load3(simd, &varied.colors);
+            self.highlight = (load3(simd, &varied.highlights.0), varied.highlights.1);
             self.is_matte = simd.mask(self.kinds.matte);
         }
         faces
@@ -299,15 +303,14 @@ fn stored<V: F64x8>(vector: [V; 3]) -> [[f64; LANES]; 3] {
     lanes
 }
 
-/// What is found by the equations of shapes.
-struct FoundSurfaces {
-    normals: [[f64; LANES]; 3],
+/// What depends on the points of hits.
+struct VariedSurfaces {
     colors: [[f64; LANES]; 3],
     highlights: ([[f64; LANES]; 3], [f64; LANES]),
     kinds: Kinds,
 }
 
-impl FoundSurfaces {
+impl VariedSurfaces {
     /// Notes the material of a hit in a lane, of those whose materials depend on the point.
     fn note(&mut self, world: &World, lane: usize, hit: &Hit) {
         let material = hit.material();
@@ -330,7 +333,7 @@ fn find_surfaces<S: Simd>(
     world: &World,
     (indices, known, lanes): (&[u32; LANES], Option<[u64; LANES]>, u8),
     (o, d, t): (&[[f64; LANES]; 3], &[[f64; LANES]; 3], &[f64; LANES]),
-    into: &mut FoundSurfaces,
+    (normals, mut varied): (&mut [[f64; LANES]; 3], Option<&mut VariedSurfaces>),
 ) -> [u64; LANES] {
     let mut faces = [0; LANES];
     let mut rest = lanes;
@@ -352,11 +355,13 @@ fn find_surfaces<S: Simd>(
                 },
             );
             let normal = shape.normal_at(&ray, crossing);
-            for (lanes, x) in into.normals.iter_mut().zip(normal.to_array()) {
+            for (lanes, x) in normals.iter_mut().zip(normal.to_array()) {
                 lanes[lane] = x;
             }
-            if into.kinds.varied >> lane & 1 == 1 {
-                into.note(world, lane, &Hit::new(geometry, &ray, crossing, normal));
+            if let Some(varied) = &mut varied
+                && varied.kinds.varied >> lane & 1 == 1
+            {
+                varied.note(world, lane, &Hit::new(geometry, &ray, crossing, normal));
             }
             faces[lane] = crossing.face;
             rest &= !(1 << lane);
