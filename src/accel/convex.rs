@@ -588,6 +588,7 @@ mod tests {
             random::{Rng, cases},
             ray::{BUNDLE, Bundle},
             shape::{Shape, any::any, face::FaceId},
+            vector::unit,
         },
     };
 
@@ -614,15 +615,15 @@ mod tests {
             Shape::Sphere(it) => (DVec3::X, [it.center(); 2], it.radius()),
             Shape::Ellipsoid(it) => {
                 let [axis, ..] = it.axes();
-                (axis.normalize(), [it.center(); 2], axis.length())
+                (unit(axis), [it.center(); 2], axis.length())
             }
             Shape::Rectangle(it) => {
                 let [a, b, c, _] = it.corners();
-                ((b - a).normalize(), [a, c], 0.3 * (b - a).length())
+                (unit(b - a), [a, c], 0.3 * (b - a).length())
             }
             Shape::Triangle(it) => {
                 let [a, b, c] = it.corners();
-                ((b - a).normalize(), [a, c], 0.3 * (b - a).length())
+                (unit(b - a), [a, c], 0.3 * (b - a).length())
             }
             _ => return None,
         };
