@@ -159,8 +159,11 @@ impl Index for Copies {
         bundle: &Bundle,
         leaving: &[Leaving; BUNDLE],
     ) -> [Option<Crossing>; BUNDLE] {
+        let shapes = self.prototype.as_ref();
         let together = FirstOfEach {
-            index: self,
+            places: self.places.as_ref(),
+            shapes: shapes.and_then(|shapes| shapes.places.as_ref()),
+            meet: &|copied, t_max| self.meet(copied, t_max),
             copies,
             bundle,
             leaving,

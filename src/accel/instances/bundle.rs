@@ -6,10 +6,9 @@ use smallvec::SmallVec;
 use crate::{
     accel::{
         bundle_of, first_of_each,
-        instances::Copies,
         lanes::{bits, load3, may_meet},
         mapped_back, not_around,
-        places::Met,
+        places::{Met, Places},
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
@@ -17,7 +16,7 @@ use crate::{
         shape::{
             around::Around,
             face::{Crossing, Leaving},
-            instances::Instances,
+            instances::{Instances, passage::Copied},
         },
         transform::Transform,
     },
@@ -26,7 +25,12 @@ use crate::{
 /// The kernel that finds the first crossing of each ray of a bundle with copies; `None` if the rays have to be traced
 /// one by one.
 pub(super) struct FirstOfEach<'a> {
-    pub(super) index: &'a Copies,
+    /// The tree over the copies; `None` for few of them.
+    pub(super) places: Option<&'a Places>,
+    /// The tree over the shapes of the prototype; `None` for few of them.
+    pub(super) shapes: Option<&'a Places>,
+    /// Returns the first crossing of a single ray with a copy.
+    pub(super) meet: &'a dyn Fn(&Copied, f64) -> Option<Crossing>,
     pub(super) copies: &'a Instances,
     pub(super) bundle: &'a Bundle,
     /// What each ray leaves.
@@ -50,7 +54,7 @@ impl Kernel for FirstOfEach<'_> {
                 is_any: self.bundle.is_any(),
             },
         };
-        match &self.index.places {
+        match self.places {
             Some(places) => {
                 let farthest = simd.load(self.bundle.t_max()).largest();
                 let is_known = places.search_together(simd, rays, farthest, &mut met);
@@ -141,10 +145,10 @@ impl Kernel for FirstOfCopy<'_> {
     fn run<S: Simd>(self, simd: S) {
         let Self { of, copy, first } = self;
         let FirstOfEach {
-            index,
             copies,
             bundle,
             leaving,
+            ..
         } = *of;
         let Some(transform) = copies.transform(copy) else {
             return;
@@ -176,21 +180,18 @@ impl Kernel for FirstOfCopy<'_> {
             first,
             odd: 0,
         };
-        match &index.prototype {
-            Some(prototype) => {
+        match of.shapes {
+            Some(shapes) => {
                 // Where a ray meets a shape that it leaves depends on nothing but its direction.
                 for part in copied.left() {
                     copied.see(simd, part);
                 }
                 let farthest = simd.load(copied.inner.t_max()).largest();
-                let is_known = prototype.places.as_ref().is_some_and(|places| {
-                    let rays = [
-                        load3(simd, copied.inner.origins()),
-                        load3(simd, copied.inner.directions()),
-                    ];
-                    places.search_together(simd, rays, farthest, &mut copied)
-                });
-                if !is_known {
+                let rays = [
+                    load3(simd, copied.inner.origins()),
+                    load3(simd, copied.inner.directions()),
+                ];
+                if !shapes.search_together(simd, rays, farthest, &mut copied) {
                     copied.odd = near;
                 }
             }
@@ -227,16 +228,17 @@ impl CopiedBundle<'_> {
     /// Tests the copy against the rays that need it, each for itself.
     fn one_by_one(&mut self) {
         let FirstOfEach {
-            index,
+            meet,
             copies,
             bundle,
             leaving,
+            ..
         } = *self.of;
         for lane in bits(self.odd) {
             let ray = bundle.ray(lane);
             let passage = copies.crossings(&ray, leaving[lane]);
             let copied = passage.copied(self.copy);
-            let met = copied.and_then(|copied| index.meet(&copied, self.first.farthest(lane)));
+            let met = copied.and_then(|copied| meet(&copied, self.first.farthest(lane)));
             if let Some(met) = met {
                 self.first.take(lane, met);
             }

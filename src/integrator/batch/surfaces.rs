@@ -317,9 +317,10 @@ impl VariedSurfaces {
         let lobes = world.lobes(&material);
         let (color, kind) = SurfaceKind::shown(lobes);
         let (highlight, exponent) = highlight_of(Some(lobes));
-        for channel in 0..3 {
-            self.colors[channel][lane] = color.channels[channel];
-            self.highlights.0[channel][lane] = highlight[channel];
+        let numbers = self.colors.iter_mut().zip(color.channels);
+        let highlights = self.highlights.0.iter_mut().zip(highlight);
+        for (lanes, number) in numbers.chain(highlights) {
+            lanes[lane] = number;
         }
         self.highlights.1[lane] = exponent;
         self.kinds.add(kind, 1 << lane);
