@@ -1,9 +1,12 @@
-//! The tests of cylinders, cones, boxes and discs by eight rays, by the equations of `tracer/shape/` in their
+//! The tests of shapes by eight rays, by the equations of `tracer/shape/` in their
 //! order of operations. Scenes with many of them are common: the bonds of molecules, clouds of surfels, blocks,
 //! and the parts of solids.
 
 use crate::{
-    accel::lanes::{across, bits, dot, load3, splat3, sub, surely_holds},
+    accel::{
+        lanes::{across, bits, dot, load3, splat3, sub, surely_holds},
+        mesh::sheared::{Sheared, crossings, is_hit},
+    },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         ray::{BUNDLE, Bundle},
@@ -11,22 +14,34 @@ use crate::{
             Shape,
             around::{Around, GROWTH, Near},
             axis::Axis,
+            capsule::Capsule,
             cone::Cone,
             cuboid::Cuboid,
             cylinder::Cylinder,
             disc::Disc,
+            ellipsoid::Ellipsoid,
             face::{Crossing, Leaving},
+            rectangle::Rectangle,
             span::Convex,
             sphere::Sphere,
+            triangle::Triangle,
         },
     },
 };
 
-/// Returns true if a shape has a test for eight rays: any but spheres, which have better ones.
+/// Returns true if a shape has a test for eight rays.
 pub(super) const fn is_tested(shape: &Shape) -> bool {
     matches!(
         shape,
-        Shape::Cylinder(_) | Shape::Cone(_) | Shape::Cuboid(_) | Shape::Disc(_)
+        Shape::Sphere(_)
+            | Shape::Ellipsoid(_)
+            | Shape::Cylinder(_)
+            | Shape::Cone(_)
+            | Shape::Capsule(_)
+            | Shape::Cuboid(_)
+            | Shape::Disc(_)
+            | Shape::Rectangle(_)
+            | Shape::Triangle(_)
     )
 }
 
@@ -86,11 +101,11 @@ impl Kernel for FirstOfEach<'_> {
     }
 }
 
-/// The kernel that finds where the lines of a bundle, of rays that leave nothing, cross a shape that has a test, or a
-/// sphere; `None` if none does.
+/// The kernel that finds where the lines of a bundle, of rays that leave nothing, cross a shape that has a test; `None`
+/// if none does.
 pub(super) struct LinesOf<'a> {
     pub(super) shape: &'a Shape,
-    /// The box and the ball around it; only a sphere has to be given them.
+    /// The box and the ball that the crossings with a sphere have to be near, if they have to be near one.
     pub(super) around: Option<&'a Around>,
     pub(super) bundle: &'a Bundle,
 }
@@ -133,37 +148,48 @@ impl Kernel for LinesOf<'_> {
             load3(simd, self.bundle.origins()),
             load3(simd, self.bundle.directions()),
         ];
-        let lines = match self.shape {
-            Shape::Sphere(it) => sphere(simd, it, self.around?, rays),
-            Shape::Cuboid(it) => cuboid(simd, it, rays),
-            Shape::Cylinder(it) => cylinder(simd, it, rays),
-            Shape::Cone(it) => cone(simd, it, rays),
-            Shape::Disc(it) => disc(simd, it, rays),
+        match self.shape {
+            Shape::Cylinder(it) => cylinder(simd, it, rays).stored(),
+            Shape::Cone(it) => cone(simd, it, rays).stored(),
+            Shape::Cuboid(it) => cuboid(simd, it, rays).stored(),
+            Shape::Disc(it) => disc(simd, it, rays).stored(),
+            // A function of its own, so that this one stays small.
+            _ => simd.call(LinesOfOther(self)),
+        }
+    }
+}
+
+/// The part of [`LinesOf`] for the other shapes.
+struct LinesOfOther<'a>(LinesOf<'a>);
+
+impl Kernel for LinesOfOther<'_> {
+    type Output = Option<CrossedLines>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let LinesOf {
+            shape,
+            around,
+            bundle,
+        } = self.0;
+        let rays = [
+            load3(simd, bundle.origins()),
+            load3(simd, bundle.directions()),
+        ];
+        let lines = match shape {
+            Shape::Sphere(it) => sphere(simd, it, around, rays),
+            Shape::Ellipsoid(it) => ellipsoid(simd, it, rays),
+            Shape::Capsule(it) => capsule(simd, it, rays),
+            Shape::Rectangle(it) => rectangle(simd, it, rays),
+            Shape::Triangle(it) => triangle(simd, it, rays),
             _ => return None,
         };
-        let (counts, odd) = (
-            [lines.counts[0].bits(), lines.counts[1].bits()],
-            lines.odd.bits(),
-        );
-        if counts[0] | counts[1] | odd == 0 {
-            return None;
-        }
-        let mut crossed = CrossedLines {
-            t: [[0.0; LANES]; 2],
-            faces: [[0.0; LANES]; 2],
-            counts,
-            odd,
-            near: lines.near,
-        };
-        for (end, (t, face)) in lines.ends.into_iter().enumerate() {
-            t.store(&mut crossed.t[end]);
-            face.store(&mut crossed.faces[end]);
-        }
-        Some(crossed)
+        lines.stored()
     }
 }
 
 /// The same in vectors.
+#[derive(Clone, Copy)]
 struct Lines<S: Simd> {
     ends: [(S::F64, S::F64); 2],
     counts: [S::Mask; 2],
@@ -172,6 +198,28 @@ struct Lines<S: Simd> {
 }
 
 impl<S: Simd> Lines<S> {
+    /// Returns the crossings in memory; `None` if there are none.
+    #[inline(always)]
+    fn stored(self) -> Option<CrossedLines> {
+        let counts = [self.counts[0].bits(), self.counts[1].bits()];
+        let odd = self.odd.bits();
+        if counts[0] | counts[1] | odd == 0 {
+            return None;
+        }
+        let mut crossed = CrossedLines {
+            t: [[0.0; LANES]; 2],
+            faces: [[0.0; LANES]; 2],
+            counts,
+            odd,
+            near: self.near,
+        };
+        for (end, (t, face)) in self.ends.into_iter().enumerate() {
+            t.store(&mut crossed.t[end]);
+            face.store(&mut crossed.faces[end]);
+        }
+        Some(crossed)
+    }
+
     /// Creates the lines that miss a shape.
     #[inline(always)]
     fn none(simd: S, odd: S::Mask) -> Self {
@@ -189,7 +237,7 @@ impl<S: Simd> Lines<S> {
 fn sphere<S: Simd>(
     simd: S,
     sphere: &Sphere,
-    around: &Around,
+    around: Option<&Around>,
     [origin, d]: [[S::F64; 3]; 2],
 ) -> Lines<S> {
     let (zero, two) = (simd.splat(0.0), simd.splat(2.0));
@@ -204,15 +252,15 @@ fn sphere<S: Simd>(
     let half = two * a;
     let ends = [((-b - root) / half, zero), ((-b + root) / half, zero)];
     // All of a ball's surface is at its edge.
-    let near = Near {
+    let near = around.map(|around| Near {
         squared: squared * (1.0 + GROWTH),
         ..around.near()
-    };
+    });
     Lines {
         ends,
         counts: [meets; 2],
         odd: simd.mask(0),
-        near: Some(near),
+        near,
     }
 }
 
@@ -264,16 +312,13 @@ fn cuboid<S: Simd>(simd: S, cuboid: &Cuboid, [o, d]: [[S::F64; 3]; 2]) -> Lines<
     }
 }
 
+/// Returns the crossings with a round face, whose radius is the root of `squared`.
 #[inline(always)]
-fn cylinder<S: Simd>(simd: S, cylinder: &Cylinder, rays: [[S::F64; 3]; 2]) -> Lines<S> {
-    let ([o, d], zero) = (rays, simd.splat(0.0));
-    let w = splat3(simd, cylinder.unit_axis());
-    let from = splat3(simd, cylinder.from());
-    let (q, e) = (across(sub(o, from), w), across(d, w));
+fn round<S: Simd>(simd: S, [q, e]: [[S::F64; 3]; 2], squared: f64) -> Lines<S> {
+    let (zero, squared) = (simd.splat(0.0), simd.splat(squared));
     let (a, h) = (dot(e, e), dot(q, e));
     let s = h / a;
     let m = [q[0] - s * e[0], q[1] - s * e[1], q[2] - s * e[2]];
-    let squared = simd.splat(cylinder.radius() * cylinder.radius());
     let discriminant = squared - dot(m, m);
     let mut odd = a.eq(zero);
     let meets = zero.le(discriminant);
@@ -286,14 +331,130 @@ fn cylinder<S: Simd>(simd: S, cylinder: &Cylinder, rays: [[S::F64; 3]; 2]) -> Li
     let is_first = one.le(other);
     let enter = S::F64::select(is_first, one, other);
     let exit = S::F64::select(is_first, other, one);
-    odd = odd | (meets & (h.eq(zero) | k.eq(zero)));
-    let side = Lines {
+    odd = odd | (meets & (h.eq(zero) | k.eq(zero) | !enter.le(exit)));
+    Lines {
         ends: [(enter, zero), (exit, zero)],
         counts: [meets; 2],
         odd,
+        near: None,
+    }
+}
+
+#[inline(always)]
+fn ellipsoid<S: Simd>(simd: S, ellipsoid: &Ellipsoid, [o, d]: [[S::F64; 3]; 2]) -> Lines<S> {
+    let from = sub(o, splat3(simd, ellipsoid.center()));
+    let [mut q, mut e] = [[simd.splat(0.0); 3]; 2];
+    for (number, axis) in ellipsoid.axes().iter().enumerate() {
+        let (along, squared) = (splat3(simd, *axis), simd.splat(axis.dot(*axis)));
+        q[number] = dot(from, along) / squared;
+        e[number] = dot(d, along) / squared;
+    }
+    Lines {
+        near: Some(ellipsoid.hull().near()),
+        ..round(simd, [q, e], 1.0)
+    }
+}
+
+#[inline(always)]
+fn cylinder<S: Simd>(simd: S, cylinder: &Cylinder, rays: [[S::F64; 3]; 2]) -> Lines<S> {
+    let side = Lines {
         near: Some(cylinder.hull().near()),
+        ..round_side(simd, cylinder.axis(), cylinder.radius(), rays)
     };
     side.between_ends(simd, (cylinder.axis(), cylinder.capped()), rays)
+}
+
+/// Returns the crossings with a round face about an axis.
+#[inline(always)]
+fn round_side<S: Simd>(simd: S, axis: &Axis, radius: f64, [o, d]: [[S::F64; 3]; 2]) -> Lines<S> {
+    let w = splat3(simd, axis.w);
+    let q = across(sub(o, splat3(simd, axis.from)), w);
+    round(simd, [q, across(d, w)], radius * radius)
+}
+
+#[inline(always)]
+fn capsule<S: Simd>(simd: S, capsule: &Capsule, rays: [[S::F64; 3]; 2]) -> Lines<S> {
+    let ([o, d], zero, infinity) = (rays, simd.splat(0.0), simd.splat(f64::INFINITY));
+    let (axis, radius) = (capsule.axis(), capsule.radius());
+    let side = round_side(simd, axis, radius, rays).between_ends(simd, (axis, false), rays);
+    let [mut enter, mut exit] = [(infinity, zero), (-infinity, zero)];
+    let [mut counts, mut odd] = [simd.mask(0); 2];
+    for face in 0..3 {
+        let round = match face {
+            0 => side,
+            _ => {
+                let center = if face == 1 { axis.from } else { axis.to };
+                round(simd, [sub(o, splat3(simd, center)), d], radius * radius)
+            }
+        };
+        let face = simd.splat(f64::from(face));
+        for end in 0..2 {
+            let (t, meets) = (round.ends[end].0, round.counts[end]);
+            let (is_sooner, is_later) = (meets & t.lt(enter.0), meets & exit.0.lt(t));
+            enter.0 = S::F64::select(is_sooner, t, enter.0);
+            enter.1 = S::F64::select(is_sooner, face, enter.1);
+            exit.0 = S::F64::select(is_later, t, exit.0);
+            exit.1 = S::F64::select(is_later, face, exit.1);
+            counts = counts | meets;
+        }
+        odd = odd | round.odd;
+    }
+    Lines {
+        ends: [enter, exit],
+        counts: [counts; 2],
+        odd,
+        near: Some(capsule.hull().near()),
+    }
+}
+
+#[inline(always)]
+fn triangle<S: Simd>(simd: S, triangle: &Triangle, rays: [[S::F64; 3]; 2]) -> Lines<S> {
+    let none = simd.mask(0);
+    let Some(sheared) = Sheared::new(simd, rays) else {
+        return Lines::none(simd, !none);
+    };
+    let corners = triangle.corners();
+    let [a, b, c] = &corners;
+    let seen = [
+        sheared.point(simd, a),
+        sheared.point(simd, b),
+        sheared.point(simd, c),
+    ];
+    match crossings(simd, seen) {
+        Some((t, crosses)) => Lines {
+            ends: [(t, simd.splat(0.0)); 2],
+            counts: [crosses, none],
+            odd: none,
+            near: Some(Near::triangle(corners)),
+        },
+        None => Lines::none(simd, none),
+    }
+}
+
+#[inline(always)]
+fn rectangle<S: Simd>(simd: S, rectangle: &Rectangle, rays: [[S::F64; 3]; 2]) -> Lines<S> {
+    let ([o, d], zero, none) = (rays, simd.splat(0.0), simd.mask(0));
+    let Some(sheared) = Sheared::new(simd, rays) else {
+        return Lines::none(simd, !none);
+    };
+    let [a, b, c, e] = &rectangle.corners();
+    let [a, b, c, e] = [
+        sheared.point(simd, a),
+        sheared.point(simd, b),
+        sheared.point(simd, c),
+        sheared.point(simd, e),
+    ];
+    let is_hit = is_hit(simd, [a, b, c]) | is_hit(simd, [a, c, e]);
+    let plane = rectangle.unit_plane();
+    let normal = splat3(simd, plane.normal());
+    let down = dot(d, normal);
+    let t = dot(sub(splat3(simd, plane.point()), o), normal) / down;
+    Lines {
+        ends: [(t, zero); 2],
+        counts: [is_hit & !down.eq(zero), none],
+        odd: none,
+        near: rectangle.around().map(|around| around.near()),
+    }
 }
 
 #[inline(always)]
@@ -427,6 +588,7 @@ mod tests {
             random::{Rng, cases},
             ray::{BUNDLE, Bundle},
             shape::{Shape, any::any, face::FaceId},
+            vector::unit,
         },
     };
 
@@ -445,10 +607,24 @@ mod tests {
     /// Returns the direction of the axis and some points that are special.
     fn special(shape: &Shape) -> Option<(DVec3, Vec<DVec3>)> {
         let (axis, ends, radius) = match shape {
-            Shape::Cylinder(it) => (it.unit_axis(), [it.from(), it.to()], it.radius()),
+            Shape::Cylinder(it) => (it.axis().w, [it.from(), it.to()], it.radius()),
+            Shape::Capsule(it) => (it.axis().w, [it.from(), it.to()], it.radius()),
             Shape::Cone(it) => (it.axis().w, [it.from(), it.to()], it.radius()),
             Shape::Cuboid(it) => (DVec3::X, [it.min(), it.max()], it.max().x - it.min().x),
             Shape::Disc(it) => (it.unit_normal(), [it.center(); 2], it.radius()),
+            Shape::Sphere(it) => (DVec3::X, [it.center(); 2], it.radius()),
+            Shape::Ellipsoid(it) => {
+                let [axis, ..] = it.axes();
+                (unit(axis), [it.center(); 2], axis.length())
+            }
+            Shape::Rectangle(it) => {
+                let [a, b, c, _] = it.corners();
+                (unit(b - a), [a, c], 0.3 * (b - a).length())
+            }
+            Shape::Triangle(it) => {
+                let [a, b, c] = it.corners();
+                (unit(b - a), [a, c], 0.3 * (b - a).length())
+            }
             _ => return None,
         };
         let across = radius * axis.any_orthonormal_vector();
@@ -509,7 +685,7 @@ mod tests {
                 );
             }
         }
-        let least = cases(20_000) / 200;
+        let least = cases(20_000) / 400;
         assert!(met.iter().all(|count| *count > least), "{met:?}");
     }
 }

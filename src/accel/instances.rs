@@ -2,19 +2,25 @@
 //!
 //! A copy whose box a ray meets is tested; a prototype of many shapes has a hierarchy of its own.
 
+mod bundle;
+
 use glam::DVec3;
 
 use crate::{
     accel::{
         bvh::{Hierarchy, build::Builder},
+        instances::bundle::FirstOfEach,
         places::Places,
     },
     simd::isa::Isa,
     tracer::{
         color::Color,
         geometry::Geometry,
+        ray::{BUNDLE, Bundle},
         shape::{
-            face::Crossing,
+            Shape,
+            around::Around,
+            face::{Crossing, Leaving},
             instances::{
                 Instances,
                 passage::{Copied, Index, Passage},
@@ -55,6 +61,8 @@ struct Copies {
 struct Prototype {
     world: World,
     hierarchy: Hierarchy,
+    /// For eight rays at a time.
+    places: Option<Places>,
 }
 
 impl Copies {
@@ -67,7 +75,19 @@ impl Copies {
             let shapes = shapes.map(|shape| Geometry::new(shape.clone(), Color::BLACK));
             let world = World::new(shapes.collect(), Color::BLACK);
             let hierarchy = Hierarchy::new((&world, None), builder);
-            Prototype { world, hierarchy }
+            let box_of = |part| {
+                copies
+                    .part(part)
+                    .and_then(|(shape, _)| Shape::bounds(shape))
+            };
+            let all = 0..world.geometries().len();
+            let whole = copies.around_prototype().and_then(Around::bounds);
+            let places = whole.and_then(|whole| Places::new(whole, all, box_of, builder));
+            Prototype {
+                world,
+                hierarchy,
+                places,
+            }
         });
         (places.is_some() || prototype.is_some()).then_some(Self {
             isa: builder.isa,
@@ -80,7 +100,9 @@ impl Copies {
     /// Returns the first crossing of a ray with a copy.
     fn meet(&self, copied: &Copied, t_max: f64) -> Option<Crossing> {
         match &self.prototype {
-            Some(Prototype { world, hierarchy }) => {
+            Some(Prototype {
+                world, hierarchy, ..
+            }) => {
                 let left = copied.left();
                 let nearest = hierarchy.nearest_before(world, copied.ray(), t_max, &left);
                 copied.first_that_counts(nearest, t_max)
@@ -129,6 +151,27 @@ impl Index for Copies {
             }
             end
         });
+    }
+
+    fn first_of_each(
+        &self,
+        copies: &Instances,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        let shapes = self.prototype.as_ref();
+        let together = FirstOfEach {
+            places: self.places.as_ref(),
+            shapes: shapes.and_then(|shapes| shapes.places.as_ref()),
+            meet: &|copied, t_max| self.meet(copied, t_max),
+            copies,
+            bundle,
+            leaving,
+        };
+        let one_by_one = || {
+            bundle.each(|lane, ray, t_max| self.first(&copies.crossings(ray, leaving[lane]), t_max))
+        };
+        self.isa.run(together).unwrap_or_else(one_by_one)
     }
 
     fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::{
     simd::{F64x8, LANES, Mask, Simd},
-    tracer::shape::around::{GROWTH, Near},
+    tracer::shape::around::{Around, GROWTH, Near, ORDINARY_LENGTHS, ROUNDING},
 };
 
 /// The division in the solutions of quadratic equations.
@@ -114,6 +114,40 @@ pub(super) fn surely_holds<S: Simd>(
         holds = holds & is_above & (point[axis] - slack).le(high[axis]);
     }
     holds
+}
+
+/// Returns the rays that may meet a shape in the box of an [`Around`] with `0 < t < t_max`: those of
+/// [`Around::may_meet`], and maybe others.
+#[inline(always)]
+pub(super) fn may_meet<S: Simd>(
+    simd: S,
+    around: &Around,
+    [origins, directions]: [[S::F64; 3]; 2],
+    t_max: S::F64,
+) -> u8 {
+    let (center, [low, high], radius) = around.middle();
+    let most = low.abs().max(high.abs()) + center.abs();
+    let from = sub(origins, splat3(simd, center));
+    let reach = abs(from[0]).max(abs(from[1])).max(abs(from[2]));
+    let reach = reach.max(simd.splat(radius));
+    let length = dot(directions, directions).sqrt();
+    let [least, longest] = [ORDINARY_LENGTHS.start(), ORDINARY_LENGTHS.end()];
+    let (least, longest) = (simd.splat(*least), simd.splat(*longest));
+    let ordinary = least.le(reach.min(length)) & reach.max(length).le(longest);
+    let origin = abs(origins[0]).max(abs(origins[1])).max(abs(origins[2]));
+    let most = origin.max(simd.splat(most.max_element()));
+    let slack = simd.splat(20.0 * GROWTH) * reach + simd.splat(4.0 * ROUNDING) * most;
+    let (low, high) = (splat3(simd, low), splat3(simd, high));
+    let (mut near, mut far) = (simd.splat(0.0), t_max);
+    for axis in 0..3 {
+        let inverse = simd.splat(1.0) / directions[axis];
+        let one = ((low[axis] - slack) - from[axis]) * inverse;
+        let other = ((high[axis] + slack) - from[axis]) * inverse;
+        // NaN excludes nothing: of it and another number, that is taken.
+        near = one.min(other).max(near);
+        far = one.max(other).min(far);
+    }
+    (near.le(far) | !ordinary).bits()
 }
 
 /// Returns the positions of the set bits of a mask.

@@ -10,13 +10,17 @@ use crate::{
         shadow::WRONG,
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::shape::{
-        Shape,
-        around::Around,
-        axis::Axis,
-        mesh::{Mesh, box_around},
-        plane::Planar,
-        solid::Solid,
+    tracer::{
+        shape::{
+            Shape,
+            around::Around,
+            axis::Axis,
+            instances::Instances,
+            mesh::{Mesh, box_around},
+            plane::Planar,
+            solid::Solid,
+        },
+        transform::Transform,
     },
 };
 
@@ -47,6 +51,15 @@ impl Kernel for NearFaces<'_> {
             except: self.except.map(|faces| simd.load(faces)),
             reach: self.reach + TINY,
         };
+        match self.shape {
+            Shape::Placed(placed) => {
+                let lanes = self.lanes & near.in_box(placed.around().as_ref());
+                let mapped = Mapped::new(simd, &near, placed.transform());
+                return near.mapped(&mapped, placed.shape(), (0, lanes));
+            }
+            Shape::Instances(copies) => return near.copies(copies),
+            _ => {}
+        }
         let mut parts = SmallVec::<[usize; 16]>::new();
         let solid = match self.shape {
             Shape::Solid(solid) => {
@@ -82,6 +95,9 @@ impl Kernel for NearFaces<'_> {
     }
 }
 
+/// The largest number of copies that are tested, for points nearby.
+const COPIES: usize = 8;
+
 /// The largest number of triangles that are tested, for points nearby.
 const TRIANGLES: usize = 24;
 
@@ -92,6 +108,33 @@ struct Near<S: Simd> {
     lanes: u8,
     except: Option<S::F64>,
     reach: f64,
+}
+
+/// Points that are mapped to the space of a shape.
+struct Mapped {
+    at: [[f64; LANES]; 3],
+    reach: f64,
+}
+
+impl Mapped {
+    /// Maps points back by a transform.
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, near: &Near<S>, transform: &Transform) -> Self {
+        let from = sub(near.at, splat3(simd, transform.shift()));
+        let mut mapped = Self {
+            at: [[0.0; LANES]; 3],
+            reach: 0.0,
+        };
+        let mut squared = 0.0;
+        for (at, row) in mapped.at.iter_mut().zip(transform.inverse()) {
+            dot(splat3(simd, row), from).store(at);
+            squared += row.dot(row);
+        }
+        // The errors of the map too: the coordinates of a point are at most 2²⁰ times the reach.
+        let shift = transform.shift().abs().max_element();
+        mapped.reach = 2.0 * squared.sqrt() * (near.reach + WRONG * shift);
+        mapped
+    }
 }
 
 /// Points beside a shape, lane i as bit i.
@@ -105,23 +148,22 @@ struct Beside {
 }
 
 impl Beside {
-    /// Returns the points beside the intersection of what several surfaces bound. Of each, only what no other
-    /// one cuts off is a face.
+    /// Those beside a solid that fills all of space.
+    const ANYWHERE: Self = Self {
+        near: 0,
+        inside: u8::MAX,
+        outside: 0,
+    };
+
+    /// Returns the points beside the intersection of two solids. Of the surface of each, only what the other does
+    /// not cut off is a face.
     #[inline(always)]
-    fn intersection<const N: usize>(all: [Self; N]) -> Self {
-        let none = Self {
-            near: 0,
-            inside: u8::MAX,
-            outside: 0,
-        };
-        let whole = all.into_iter().fold(none, |whole, surface| Self {
-            near: whole.near | surface.near,
-            inside: whole.inside & surface.inside,
-            outside: whole.outside | surface.outside,
-        });
+    fn and(self, other: Self) -> Self {
+        let outside = self.outside | other.outside;
         Self {
-            near: whole.near & !whole.outside,
-            ..whole
+            near: (self.near | other.near) & !outside,
+            inside: self.inside & other.inside,
+            outside,
         }
     }
 }
@@ -130,22 +172,22 @@ impl<S: Simd> Near<S> {
     /// Returns the points beside a shape, the numbers of whose faces begin with `first`.
     #[inline(always)]
     fn of(&self, shape: &Shape, first: u64) -> Beside {
-        let ball = |face, center: DVec3, radius| {
-            let q = sub(self.at, splat3(self.simd, center));
-            let height = dot(q, q).sqrt() - self.simd.splat(radius);
-            self.beside(first + face, height, center.abs().max_element() + radius)
-        };
         match shape {
-            Shape::Sphere(it) => ball(0, it.center(), it.radius()),
+            Shape::Sphere(it) => self.ball(first, it.center(), it.radius()),
             Shape::Disc(it) => self.plane(first, it.center(), it.normal()),
             Shape::Plane(it) => self.plane(first, it.point(), it.normal()),
-            Shape::Cuboid(it) => Beside::intersection(std::array::from_fn::<_, 6, _>(|face| {
-                let axis = face / 2;
-                let (end, at) = ([it.min(), it.max()][face % 2][axis], self.at[axis]);
-                let height = at - self.simd.splat(end);
-                let height = if face % 2 == 0 { -height } else { height };
-                self.beside(first + face as u64, height, end.abs())
-            })),
+            Shape::Cuboid(it) => {
+                let mut whole = Beside::ANYWHERE;
+                // A loop: in a kernel, a closure may be a call.
+                for face in 0..6 {
+                    let axis = face / 2;
+                    let (end, at) = ([it.min(), it.max()][face % 2][axis], self.at[axis]);
+                    let height = at - self.simd.splat(end);
+                    let height = if face % 2 == 0 { -height } else { height };
+                    whole = whole.and(self.beside(first + face as u64, height, end.abs()));
+                }
+                whole
+            }
             Shape::Cylinder(it) => {
                 let side = self.side(first, it.axis(), (it.radius(), 0.0));
                 self.between_ends(first, it.axis(), (side, it.capped()))
@@ -171,8 +213,8 @@ impl<S: Simd> Near<S> {
                             let radius = it.radius();
                             let side = self.side(first, it.axis(), (radius, 0.0));
                             side.near
-                                | ball(1, it.from(), radius).near
-                                | ball(2, it.to(), radius).near
+                                | self.ball(first + 1, it.from(), radius).near
+                                | self.ball(first + 2, it.to(), radius).near
                         }
                         Shape::Mesh(it) => self.mesh(first, it, in_box & self.lanes),
                         _ if shape.has_faces() => u8::MAX,
@@ -186,6 +228,57 @@ impl<S: Simd> Near<S> {
                 }
             }
         }
+    }
+
+    /// Returns which of some points may lie on a face of a shape that they are mapped to, the numbers of whose faces
+    /// begin with `first`.
+    #[inline(always)]
+    fn mapped(&self, mapped: &Mapped, shape: &Shape, (first, lanes): (u64, u8)) -> u8 {
+        if lanes == 0 {
+            return 0;
+        }
+        let mut except = [0.0; LANES];
+        if let Some(faces) = self.except {
+            (faces - self.simd.splat(first as f64)).store(&mut except);
+        }
+        lanes
+            & self.simd.call(NearFaces {
+                shape,
+                at: &mapped.at,
+                lanes,
+                reach: mapped.reach,
+                except: self.except.map(|_| &except),
+            })
+    }
+
+    /// Returns which of the points may lie on a face of copies.
+    #[inline(always)]
+    fn copies(&self, copies: &Instances) -> u8 {
+        let mut lanes = self.lanes & self.in_box(copies.around().as_ref());
+        if lanes == 0 {
+            return 0;
+        }
+        let mut nearest = SmallVec::<[usize; COPIES]>::new();
+        copies.each_near(self.around(lanes), &mut |copy| nearest.push(copy));
+        if nearest.len() > COPIES {
+            return lanes;
+        }
+        let (mut near, faces) = (0, copies.faces_of_copy());
+        for copy in nearest {
+            let Some(transform) = copies.transform(copy) else {
+                return lanes;
+            };
+            let mapped = Mapped::new(self.simd, self, &transform);
+            for part in 0..copies.shapes().len() {
+                let Some((shape, first)) = copies.part(part) else {
+                    return lanes;
+                };
+                let found = self.mapped(&mapped, shape, (copy as u64 * faces + first, lanes));
+                near |= found;
+                lanes &= !found;
+            }
+        }
+        near
     }
 
     /// Returns those of some points that do not lie on a face because it is the one that is not asked for.
@@ -211,10 +304,18 @@ impl<S: Simd> Near<S> {
     }
 
     #[inline(always)]
+    fn ball(&self, face: u64, center: DVec3, radius: f64) -> Beside {
+        let q = sub(self.at, splat3(self.simd, center));
+        let height = dot(q, q).sqrt() - self.simd.splat(radius);
+        self.beside(face, height, center.abs().max_element() + radius)
+    }
+
+    #[inline(always)]
     fn in_box(&self, around: Option<&Around>) -> u8 {
-        around
-            .and_then(Around::bounds)
-            .map_or(u8::MAX, |corners| self.between(corners))
+        match around.and_then(Around::bounds) {
+            Some(corners) => self.between(corners),
+            None => u8::MAX,
+        }
     }
 
     /// Returns the points that may lie in a box.
@@ -298,6 +399,6 @@ impl<S: Simd> Near<S> {
             ends.iter_mut().for_each(|end| end.near = 0);
         }
         let [from, to] = ends;
-        Beside::intersection([side, from, to])
+        side.and(from).and(to)
     }
 }

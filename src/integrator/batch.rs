@@ -170,8 +170,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
             let indices = self.row.indices(self.world, start);
             let surfaces = Surfaces::new(simd, self.world, self.known, &indices);
             let kinds = surfaces.kinds;
-            let scatters = (kinds.matte | kinds.scattering) & inside;
-            if scatters == 0 {
+            if kinds.may_scatter() & inside == 0 {
                 for (light, color) in self.light.iter_mut().zip(surfaces.color) {
                     store(color, &mut light[start..start + width]);
                 }
@@ -181,6 +180,8 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
             let hits = self
                 .row
                 .hits(simd, self.world, (indices, surfaces), (start, needs_v));
+            let kinds = hits.surfaces.kinds;
+            let scatters = (kinds.matte | kinds.scattering) & inside;
             let mut others = kinds.scattering | kinds.clear;
             let zero = simd.splat(0.0);
             let (mut sums, mut highlights) = ([zero; 3], [zero; 3]);

@@ -61,6 +61,8 @@ pub(crate) struct Bundle {
     directions: [[f64; BUNDLE]; 3],
     from: f64,
     t_max: [f64; BUNDLE],
+    /// True if any crossing of a ray will do.
+    is_any: bool,
 }
 
 impl Bundle {
@@ -86,7 +88,21 @@ impl Bundle {
             directions,
             from: 0.0,
             t_max,
+            is_any: false,
         }
+    }
+
+    /// Returns the same rays if any crossing of each will do.
+    pub(crate) fn any(self) -> Self {
+        Self {
+            is_any: true,
+            ..self
+        }
+    }
+
+    /// Returns true if any crossing of a ray will do, and not its first one alone.
+    pub(crate) const fn is_any(&self) -> bool {
+        self.is_any
     }
 
     /// Creates a bundle of some rays up to their first crossings, at `t`.
@@ -111,19 +127,6 @@ impl Bundle {
         }
     }
 
-    /// Returns the bundle of other rays, with the same `t`.
-    pub(crate) fn mapped(&self, map: impl Fn(&Ray) -> Ray) -> Self {
-        let mut mapped = self.clone();
-        for lane in 0..BUNDLE {
-            let ray = map(&self.ray(lane));
-            for axis in 0..3 {
-                mapped.origins[axis][lane] = ray.origin()[axis];
-                mapped.directions[axis][lane] = ray.direction()[axis];
-            }
-        }
-        mapped
-    }
-
     /// x, y and z of the origins.
     pub(crate) const fn origins(&self) -> &[[f64; BUNDLE]; 3] {
         &self.origins
@@ -142,6 +145,11 @@ impl Bundle {
     /// The `t` before which each ray ends.
     pub(crate) const fn t_max(&self) -> &[f64; BUNDLE] {
         &self.t_max
+    }
+
+    /// Ends a ray before a `t`.
+    pub(crate) fn end(&mut self, lane: usize, t_max: f64) {
+        self.t_max[lane] = t_max;
     }
 
     /// Returns a ray.

@@ -6,7 +6,7 @@
 
 mod bundle;
 mod patch;
-mod sheared;
+pub(super) mod sheared;
 #[cfg(test)]
 mod tests;
 

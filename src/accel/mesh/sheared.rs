@@ -14,7 +14,7 @@ use crate::{
 
 /// Rays as the test of triangles needs them: the tracer's [`triangle::Sheared`], with the same axes in
 /// all lanes.
-pub(super) struct Sheared<S: Simd> {
+pub(in crate::accel) struct Sheared<S: Simd> {
     origin: [S::F64; 3],
     /// The axes across, then the one along.
     axes: [usize; 3],
@@ -25,7 +25,7 @@ pub(super) struct Sheared<S: Simd> {
 impl<S: Simd> Sheared<S> {
     /// Prepares eight rays; `None` if they do not have the same axes.
     #[inline(always)]
-    pub(super) fn new(simd: S, [origin, d]: [[S::F64; 3]; 2]) -> Option<Self> {
+    pub(in crate::accel) fn new(simd: S, [origin, d]: [[S::F64; 3]; 2]) -> Option<Self> {
         let [x, y, z] = [abs(d[0]), abs(d[1]), abs(d[2])];
         let is_x = y.le(x) & z.le(x);
         let is_y = !is_x & z.le(y);
@@ -72,6 +72,12 @@ impl<S: Simd> Sheared<S> {
         ])
     }
 
+    /// Returns a corner of a triangle as the rays see it.
+    #[inline(always)]
+    pub(in crate::accel) fn point(&self, simd: S, corner: &DVec3) -> [S::F64; 3] {
+        self.see(by_axes(simd, self.axes, corner))
+    }
+
     /// Returns corners as the rays see them: across, then along. Each is given in the order of the axes.
     #[inline(always)]
     fn see(&self, corner: [S::F64; 3]) -> [S::F64; 3] {
@@ -105,22 +111,35 @@ impl<S: Simd> Sheared<S> {
 /// Returns the `t` at which rays cross triangles, whose corners they see there, and the lanes in which
 /// `0 < t < ∞`; `None` if no ray's line meets its triangle.
 #[inline(always)]
-pub(super) fn crossings<S: Simd>(
+pub(in crate::accel) fn crossings<S: Simd>(
     simd: S,
     [a, b, c]: [[S::F64; 3]; 3],
 ) -> Option<(S::F64, S::Mask)> {
+    let zero = simd.splat(0.0);
+    let ([u, v, w], sum, is_hit) = edges(simd, [a, b, c]);
+    if is_hit.bits() == 0 {
+        return None;
+    }
+    let t = ((u * a[2] + v * b[2]) + w * c[2]) / sum;
+    Some((t, is_hit & zero.lt(t) & t.lt(simd.splat(f64::INFINITY))))
+}
+
+/// Returns the lanes in which a ray's line meets a triangle, whose corners it sees there.
+#[inline(always)]
+pub(in crate::accel) fn is_hit<S: Simd>(simd: S, corners: [[S::F64; 3]; 3]) -> S::Mask {
+    edges(simd, corners).2
+}
+
+/// Returns U, V and W, their sum, and the lanes in which a ray's line meets a triangle.
+#[inline(always)]
+fn edges<S: Simd>(simd: S, [a, b, c]: [[S::F64; 3]; 3]) -> ([S::F64; 3], S::F64, S::Mask) {
     let zero = simd.splat(0.0);
     let u = c[0] * b[1] - c[1] * b[0];
     let v = a[0] * c[1] - a[1] * c[0];
     let w = b[0] * a[1] - b[1] * a[0];
     let is_outside = u.min(v).min(w).lt(zero) & zero.lt(u.max(v).max(w));
     let sum = (u + v) + w;
-    let is_hit = !is_outside & !sum.eq(zero);
-    if is_hit.bits() == 0 {
-        return None;
-    }
-    let t = ((u * a[2] + v * b[2]) + w * c[2]) / sum;
-    Some((t, is_hit & zero.lt(t) & t.lt(simd.splat(f64::INFINITY))))
+    ([u, v, w], sum, !is_outside & !sum.eq(zero))
 }
 
 /// Returns the numbers of a vector in the order of the axes, each in all lanes.

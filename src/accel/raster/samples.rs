@@ -186,8 +186,9 @@ impl Bounds {
     /// Returns the pixels of a group that may see several things.
     #[inline(always)]
     fn unclear<S: Simd>(&self, simd: S, group: usize) -> u8 {
-        let [first, passed, second] =
-            [&self.first, &self.passed, &self.second].map(|bound| simd.load(&bound[group]));
+        let first = simd.load(&self.first[group]);
+        let passed = simd.load(&self.passed[group]);
+        let second = simd.load(&self.second[group]);
         (first.lt(simd.splat(f64::INFINITY)) & !passed.lt(second)).bits()
     }
 
@@ -422,7 +423,11 @@ impl Draw<'_> {
                 let touched = u32::MAX >> (GROUPS - groups);
                 for group in bits(touched) {
                     let [x, y, z] = &sums;
-                    let sum = [x, y, z].map(|axis| simd.load(&axis[group]));
+                    let sum = [
+                        simd.load(&x[group]),
+                        simd.load(&y[group]),
+                        simd.load(&z[group]),
+                    ];
                     batch.begin(simd, rays, group, sum, planes);
                 }
                 self.sweep_samples(simd, rays, batch, touched, pixels, start..end, entries);

@@ -138,10 +138,14 @@ impl Survey {
     }
 
     /// Grows the box around all ordinary balls by another one.
-    pub(super) fn reach(&mut self, [lower, higher]: [DVec3; 2]) {
-        let [low, high] = self.corners;
-        self.corners = [low.min(lower), high.max(higher)];
+    pub(super) fn reach(&mut self, other: [DVec3; 2]) {
+        self.corners = both(self.corners, other);
     }
+}
+
+/// Returns the corners of the box around two others.
+pub(super) fn both([low, high]: [DVec3; 2], [lower, higher]: [DVec3; 2]) -> [DVec3; 2] {
+    [low.min(lower), high.max(higher)]
 }
 
 /// The tiles of a face.
@@ -200,8 +204,8 @@ pub(super) struct Bounds<S: Simd> {
 }
 
 impl Frame {
-    /// Returns the picture; `None` if there are no bounds.
-    pub(super) fn new(toward: Toward, survey: &Survey) -> Option<Self> {
+    /// Returns the picture, with bounds for points that are far from some box; `None` if there are no bounds.
+    pub(super) fn new(toward: Toward, survey: &Survey, whole: [DVec3; 2]) -> Option<Self> {
         let [low, high] = survey.corners;
         let is_empty = !survey.has_balls();
         let middle = if is_empty {
@@ -221,7 +225,8 @@ impl Frame {
             }
         };
         let corners = [low - origin, high - origin];
-        let reach = corners[0].abs().max(corners[1].abs()).length();
+        let [lower, higher] = whole.map(|corner| (corner - origin).abs());
+        let reach = lower.max(higher).length();
         let has_bounds = is_empty || ORDINARY.contains(&reach);
         if !has_bounds || origin.abs().max_element() > *ORDINARY.end() {
             return None;

@@ -401,14 +401,14 @@ impl<'a> Casting<'a> {
         let oc = sub(rays.origin, splat3(simd, sphere.center()));
         let b = dot(rays.direction, [two * oc[0], two * oc[1], two * oc[2]]);
         let (squared, of_radius) = (dot(oc, oc), radius * radius);
-        let discriminant = |c: S::F64| b * b - (simd.splat(4.0) * rays.a) * c;
-        let grown = discriminant(squared - simd.splat(of_radius + slack));
+        let (bb, a4) = (b * b, simd.splat(4.0) * rays.a);
+        let grown = bb - a4 * (squared - simd.splat(of_radius + slack));
         if zero.le(grown).bits() == 0 {
             return 0;
         }
         let c = squared - simd.splat(of_radius);
         let near = abs(c).le(simd.splat(slack)).bits();
-        let discriminant = discriminant(c);
+        let discriminant = bb - a4 * c;
         let meets = zero.le(discriminant);
         let root = discriminant.sqrt();
         let first = Plain.over_2a(simd, -b - root, rays.a);
@@ -436,7 +436,7 @@ fn meet_bundle<S: Simd>(
     shape: &Shape,
 ) -> u8 {
     let t_max = |lane: usize| if lit >> lane & 1 == 1 { end } else { 0.0 };
-    let bundle = Bundle::new(origins, directions, std::array::from_fn(t_max));
+    let bundle = Bundle::new(origins, directions, std::array::from_fn(t_max)).any();
     let leaving = left
         .each_ref()
         .map(|left| match left.geometry == index as usize {

@@ -25,6 +25,7 @@ use crate::{
         near_faces::NearFaces,
         shadow::{
             casters::{Casters, Toward},
+            frame::both,
             meet::MANY,
             occluders::Occluders,
         },
@@ -145,11 +146,12 @@ struct Casting<'a> {
 }
 
 impl<'a> Casting<'a> {
-    /// Prepares a light with this number; `None` if nothing casts shadows.
+    /// Prepares a light with this number; `None` if nothing casts shadows. Others do in a box with some corners.
     fn new(
         world: WorldOfFrame<'a>,
         casters: Casters,
         (number, toward): (usize, Toward),
+        others: [DVec3; 2],
         builder: Builder<'_>,
     ) -> Option<Self> {
         let key = ((number, casters), toward);
@@ -161,7 +163,12 @@ impl<'a> Casting<'a> {
             |runs, still| {
                 let around = still.map(|still| still.corners);
                 let light = (casters, toward);
-                Some(Occluders::new((world.0, runs), light, around, builder))
+                Some(Occluders::new(
+                    (world.0, runs),
+                    light,
+                    (around, others),
+                    builder,
+                ))
             },
         )?;
         let occluders = occluders.into_iter().filter(|some| !some.is_empty);
@@ -229,10 +236,13 @@ impl<'a> Shadows<'a> {
         light: (usize, Toward),
         builder: Builder<'_>,
     ) -> Self {
-        let casting = |casters| Casting::new(world, casters, light, builder);
+        let opaque = Casting::new(world, Casters::Opaque, light, Occluders::NOWHERE, builder);
+        let others = opaque.iter().flat_map(|opaque| &opaque.occluders);
+        let others = others.map(|some| some.corners);
+        let others = others.fold(Occluders::NOWHERE, both);
         Self {
-            opaque: casting(Casters::Opaque),
-            glass: casting(Casters::Glass),
+            glass: Casting::new(world, Casters::Glass, light, others, builder),
+            opaque,
         }
     }
 

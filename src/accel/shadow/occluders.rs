@@ -9,7 +9,7 @@ use crate::{
         bvh::build::Builder,
         shadow::{
             casters::{Casters, Toward},
-            frame::{Frame, Survey},
+            frame::{Frame, Survey, both},
             lists::Lists,
         },
     },
@@ -36,17 +36,23 @@ const ODD: usize = 8;
 const STEPS: i32 = 12;
 
 impl Occluders {
-    /// Finds those among some geometries that cast shadows, on points around them and in a box.
+    /// The corners of the box around nothing.
+    pub(super) const NOWHERE: [DVec3; 2] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+
+    /// Finds those among some geometries that cast shadows, on points around them and in a box, and far around
+    /// another box.
     pub(super) fn new(
         (world, runs): (&World, &[Range<usize>]),
         (casters, toward): (Casters, Toward),
-        around: Option<[DVec3; 2]>,
+        (around, others): (Option<[DVec3; 2]>, [DVec3; 2]),
         builder: Builder<'_>,
     ) -> Self {
         let mut survey = Survey::new(world, runs, casters, builder.pool);
         let is_empty = survey.is_empty();
         around.into_iter().for_each(|around| survey.reach(around));
-        let frame = (!is_empty && survey.odd.len() <= ODD).then(|| Frame::new(toward, &survey));
+        let whole = both(survey.corners, others);
+        let frame =
+            (!is_empty && survey.odd.len() <= ODD).then(|| Frame::new(toward, &survey, whole));
         let lists = frame.flatten().and_then(|frame| {
             let mut coarser = (0..STEPS).map(|step| frame.coarser(step));
             coarser.find_map(|frame| {

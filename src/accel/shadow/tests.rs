@@ -12,6 +12,7 @@ use crate::{
         shadow::{
             Casting, Points,
             casters::{Casters, Toward},
+            occluders::Occluders,
         },
     },
     parallel::Pool,
@@ -282,6 +283,9 @@ fn every_point_agrees_with_the_plain_loop() {
         let world = world(&mut rng, scale, offset);
         let toward = toward(&mut rng, &world, scale, offset);
         let casters = rng.one(&[Casters::Opaque, Casters::Opaque, Casters::Glass]);
+        let size = scale * rng.magnitude(0.0, 4.0);
+        let far = [offset - size, offset + size];
+        let others = rng.one(&[Occluders::NOWHERE, far]);
         let points = points(&mut rng, &world, scale, offset);
         let expected = points.iter().map(|seen| {
             let start = seen.start.as_ref();
@@ -294,14 +298,14 @@ fn every_point_agrees_with_the_plain_loop() {
         let frames = Kept::of_some(&indexed, &mut Rng(case as u64 + 1));
         let kept = frames.as_ref().map(|(kept, other)| {
             let builder = Builder::new(&pool, Isa::best());
-            let _ = Casting::new((other, Some(kept)), casters, (0, toward), builder);
+            let _ = Casting::new((other, Some(kept)), casters, (0, toward), others, builder);
             kept
         });
         let frames = kept.map(|kept| (Isa::best(), Some(kept)));
         let alone = Isa::all().into_iter().map(|isa| (isa, None));
         for (isa, kept) in alone.chain(frames) {
             let (world, builder) = ((&indexed, kept), Builder::new(&pool, isa));
-            let Some(casting) = Casting::new(world, casters, (0, toward), builder) else {
+            let Some(casting) = Casting::new(world, casters, (0, toward), others, builder) else {
                 assert!(!expected.contains(&true));
                 continue;
             };

@@ -276,7 +276,7 @@ impl Kernel for SpansOfPart<'_> {
         let FirstOfEach { solid, bundle, .. } = *of;
         let mut first = SpanOfEach::NONE;
         let (shape, around) = solid.part(part);
-        if is_tested(shape) || (shape.sphere().is_some() && around.is_some()) {
+        if is_tested(shape) && (shape.sphere().is_none() || around.is_some()) {
             let leave_nothing = bits(lanes).filter(|lane| of.leaving[*lane].is_empty());
             let plain = leave_nothing.fold(0, |lanes, lane| lanes | 1 << lane);
             let mut sure = u8::MAX;

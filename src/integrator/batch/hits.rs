@@ -111,8 +111,9 @@ impl HitRow<'_> {
         let (rays, t) = match self {
             Self::Samples(row) => row.rays(simd, start),
             Self::Onward(row) => {
-                let rays = [row.origins, row.directions].map(|axes| load_row(simd, axes, start));
-                (rays, load(simd, row.t, start))
+                let origins = load_row(simd, row.origins, start);
+                let directions = load_row(simd, row.directions, start);
+                ([origins, directions], load(simd, row.t, start))
             }
         };
         let [o, d] = rays;
@@ -314,7 +315,8 @@ impl Kernel for LocateRow<'_> {
             let row = HitRow::Samples(self.row);
             let hits = row.hits(simd, self.world, (indices, surfaces), (start, false));
             let missed = infinity.le(hits.rays.1);
-            let numbers = [hits.point, hits.normal].map(|of| select(missed, [zero; 3], of));
+            let point = select(missed, [zero; 3], hits.point);
+            let numbers = [point, select(missed, [zero; 3], hits.normal)];
             let to = [&mut places.point, &mut places.normal];
             for (to, numbers) in to.into_iter().zip(numbers) {
                 for (to, number) in to.iter_mut().zip(numbers) {

@@ -10,7 +10,7 @@ use crate::{
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
     tracer::{
-        material::lobes::Lobes, radiance::Radiance, ray::Bundle, shape::face::Crossing,
+        hit::Hit, material::lobes::Lobes, radiance::Radiance, ray::Bundle, shape::face::Crossing,
         world::World,
     },
 };
@@ -71,6 +71,8 @@ enum SurfaceKind {
     Scattering,
     /// Is shaded by the plain function, and scatters none.
     Clear,
+    /// Depends on the point.
+    Varied,
 }
 
 impl Known {
@@ -91,13 +93,14 @@ impl Known {
         let lobes = geometry
             .only_material()
             .map(|material| world.lobes(material));
-        let (color, kind) = lobes.map_or(
-            (Radiance::BLACK, SurfaceKind::Scattering),
-            SurfaceKind::shown,
-        );
-        let highlight = lobes
-            .and_then(|lobes| lobes.highlight)
-            .map(|it| (it.color.to_linear().channels, it.exponent));
+        let is_sphere = shape.sphere().is_some();
+        let (color, kind) = match lobes {
+            Some(lobes) => SurfaceKind::shown(lobes),
+            // The kernel finds the normals of spheres itself.
+            None if is_sphere => (Radiance::BLACK, SurfaceKind::Scattering),
+            None => (Radiance::BLACK, SurfaceKind::Varied),
+        };
+        let highlight = highlight_of(lobes);
         let is_in_place = shape.is_flat() && shape.transform().is_none();
         let flat = shape.plane().filter(|_| is_in_place);
         let vector = match (shape.sphere(), flat) {
@@ -108,13 +111,20 @@ impl Known {
         Self {
             index,
             vector: vector.to_array(),
-            is_sphere: shape.sphere().is_some(),
-            is_other: shape.sphere().is_none() && flat.is_none(),
+            is_sphere,
+            is_other: !is_sphere && (flat.is_none() || kind == SurfaceKind::Varied),
             color: color.channels,
-            highlight: highlight.unwrap_or(([0.0; 3], 1.0)),
+            highlight,
             kind,
         }
     }
+}
+
+/// Returns the linear color and the exponent of the highlights of a material.
+fn highlight_of(lobes: Option<Lobes>) -> ([f64; 3], f64) {
+    let highlight = lobes.and_then(|lobes| lobes.highlight);
+    let highlight = highlight.map(|it| (it.color.to_linear().channels, it.exponent));
+    highlight.unwrap_or(([0.0; 3], 1.0))
 }
 
 impl SurfaceKind {
@@ -162,9 +172,17 @@ pub(super) struct Kinds {
     pub(super) glossy: u8,
     pub(super) scattering: u8,
     pub(super) clear: u8,
+    /// Those whose kind is found with the normals.
+    pub(super) varied: u8,
 }
 
 impl Kinds {
+    /// Returns the hits that scatter light, and those of which that is not known yet.
+    #[inline(always)]
+    pub(super) const fn may_scatter(&self) -> u8 {
+        self.matte | self.scattering | self.varied
+    }
+
     #[inline(always)]
     fn add(&mut self, kind: SurfaceKind, lanes: u8) {
         match kind {
@@ -176,6 +194,7 @@ impl Kinds {
             SurfaceKind::Constant => {}
             SurfaceKind::Scattering => self.scattering |= lanes,
             SurfaceKind::Clear => self.clear |= lanes,
+            SurfaceKind::Varied => self.varied |= lanes,
         }
     }
 }
@@ -238,7 +257,8 @@ impl<S: Simd> Surfaces<S> {
         }
     }
 
-    /// Finds the normals of the other hits, and returns the faces of all, unless they are known.
+    /// Finds the normals of the other hits, and what depends on their points. Returns the faces of all, unless they
+    /// are known.
     #[inline(always)]
     pub(super) fn find_others(
         &mut self,
@@ -248,31 +268,74 @@ impl<S: Simd> Surfaces<S> {
         (o, d, t): ([S::F64; 3], [S::F64; 3], S::F64),
         known: Option<[u64; LANES]>,
     ) -> [u64; LANES] {
-        let stored = |vector: [S::F64; 3]| {
-            let mut lanes = [[0.0; LANES]; 3];
-            for (lanes, axis) in lanes.iter_mut().zip(vector) {
-                axis.store(lanes);
-            }
-            lanes
-        };
-        let (mut vector, mut at) = (stored(self.vector), [0.0; LANES]);
+        let mut normals = stored(self.vector);
+        let mut varied = None;
+        if self.kinds.varied != 0 {
+            varied = Some(VariedSurfaces {
+                colors: stored(self.color),
+                highlights: (stored(self.highlight.0), self.highlight.1),
+                kinds: self.kinds,
+            });
+        }
+        let mut at = [0.0; LANES];
         t.store(&mut at);
         let rays = (&stored(o), &stored(d), &at);
         let hits = (indices, known, self.others);
-        let faces = find_normals(simd, world, hits, rays, &mut vector);
-        self.vector = load3(simd, &vector);
+        let found = (&mut normals, varied.as_mut());
+        let faces = find_surfaces(simd, world, hits, rays, found);
+        self.vector = load3(simd, &normals);
+        if let Some(varied) = varied {
+            self.kinds = varied.kinds;
+            self.color = load3(simd, &varied.colors);
+            self.highlight = (load3(simd, &varied.highlights.0), varied.highlights.1);
+            self.is_matte = simd.mask(self.kinds.matte);
+        }
         faces
     }
 }
 
-/// Finds the normals of some hits, and returns their faces.
+/// Stores vectors by axis.
+#[inline(always)]
+fn stored<V: F64x8>(vector: [V; 3]) -> [[f64; LANES]; 3] {
+    let mut lanes = [[0.0; LANES]; 3];
+    for (lanes, axis) in lanes.iter_mut().zip(vector) {
+        axis.store(lanes);
+    }
+    lanes
+}
+
+/// What depends on the points of hits.
+struct VariedSurfaces {
+    colors: [[f64; LANES]; 3],
+    highlights: ([[f64; LANES]; 3], [f64; LANES]),
+    kinds: Kinds,
+}
+
+impl VariedSurfaces {
+    /// Notes the material of a hit in a lane, of those whose materials depend on the point.
+    fn note(&mut self, world: &World, lane: usize, hit: &Hit) {
+        let material = hit.material();
+        let lobes = world.lobes(&material);
+        let (color, kind) = SurfaceKind::shown(lobes);
+        let (highlight, exponent) = highlight_of(Some(lobes));
+        let numbers = self.colors.iter_mut().zip(color.channels);
+        let highlights = self.highlights.0.iter_mut().zip(highlight);
+        for (lanes, number) in numbers.chain(highlights) {
+            lanes[lane] = number;
+        }
+        self.highlights.1[lane] = exponent;
+        self.kinds.add(kind, 1 << lane);
+    }
+}
+
+/// Finds the normals of some hits and what depends on their points, and returns their faces.
 #[inline(never)]
-fn find_normals<S: Simd>(
+fn find_surfaces<S: Simd>(
     simd: S,
     world: &World,
     (indices, known, lanes): (&[u32; LANES], Option<[u64; LANES]>, u8),
     (o, d, t): (&[[f64; LANES]; 3], &[[f64; LANES]; 3], &[f64; LANES]),
-    normals: &mut [[f64; LANES]; 3],
+    (normals, mut varied): (&mut [[f64; LANES]; 3], Option<&mut VariedSurfaces>),
 ) -> [u64; LANES] {
     let mut faces = [0; LANES];
     let mut rest = lanes;
@@ -281,16 +344,28 @@ fn find_normals<S: Simd>(
         let index = indices[rest.trailing_zeros() as usize];
         let is_same = |lane: usize| rest >> lane & 1 == 1 && indices[lane] == index;
         let same: [bool; LANES] = std::array::from_fn(is_same);
-        let shape = world.geometries()[index as usize].shape();
+        let geometry = &world.geometries()[index as usize];
+        let shape = geometry.shape();
         let bundle = Bundle::to(*o, *d, t, same);
         let found = known.unwrap_or_else(|| face_of_each(simd, shape, &bundle));
         for lane in (0..LANES).filter(|lane| same[*lane]) {
-            let (t, face) = (t[lane], found[lane]);
-            let normal = shape.normal_at(&bundle.ray(lane), Crossing { t, face });
+            let (ray, crossing) = (
+                bundle.ray(lane),
+                Crossing {
+                    t: t[lane],
+                    face: found[lane],
+                },
+            );
+            let normal = shape.normal_at(&ray, crossing);
             for (lanes, x) in normals.iter_mut().zip(normal.to_array()) {
                 lanes[lane] = x;
             }
-            faces[lane] = face;
+            if let Some(varied) = &mut varied
+                && varied.kinds.varied >> lane & 1 == 1
+            {
+                varied.note(world, lane, &Hit::new(geometry, &ray, crossing, normal));
+            }
+            faces[lane] = crossing.face;
             rest &= !(1 << lane);
         }
     }

@@ -5,6 +5,8 @@
 //! by 1e-7 of the larger of the ball's radius and its distance from the ray's origin. All that finds
 //! shapes faster than the plain loop relies on this: see `accel/bvh/frame.rs`.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 
 use crate::tracer::{
@@ -17,7 +19,10 @@ use crate::tracer::{
 pub(crate) const GROWTH: f64 = 1e-7;
 
 /// The same for the coordinates, each of which is the sum of rounded numbers.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The lengths of which something is known.
+pub(crate) const ORDINARY_LENGTHS: RangeInclusive<f64> = 1e-50..=1e50;
 
 /// The box and the ball around a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,8 +129,11 @@ impl Around {
     pub(crate) fn may_meet(&self, ray: &Ray, t_max: f64) -> bool {
         let from = ray.origin() - self.center;
         let reach = from.abs().max_element().max(self.radius);
-        let is_ordinary = |length: f64| (1e-50..=1e50).contains(&length);
-        if !is_ordinary(reach) || !is_ordinary(ray.direction().length()) {
+        let lengths = [reach, ray.direction().length()];
+        if !lengths
+            .iter()
+            .all(|length| ORDINARY_LENGTHS.contains(length))
+        {
             return true;
         }
         let most = self.low.abs().max(self.high.abs()).max(ray.origin().abs());
@@ -161,6 +169,12 @@ impl Around {
     pub(crate) fn bounds(&self) -> Option<[DVec3; 2]> {
         let Self { low, high, .. } = *self;
         (low.is_finite() && high.is_finite()).then_some([low, high])
+    }
+
+    /// The center and the corners relative to it, and the radius.
+    pub(crate) fn middle(&self) -> (DVec3, [DVec3; 2], f64) {
+        let corners = [self.low - self.center, self.high - self.center];
+        (self.center, corners, self.radius)
     }
 
     pub(crate) const fn extent(&self) -> Extent<'static> {
@@ -239,6 +253,7 @@ fn triangle_holds_by_roots(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
 
 /// A box and a ball a little smaller than those of an [`Around`], relative to its center: a point inside
 /// both is surely inside the original.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
     pub(crate) center: DVec3,
     pub(crate) low: DVec3,

@@ -83,11 +83,6 @@ impl Cylinder {
         &self.axis
     }
 
-    /// The unit vector along the axis.
-    pub(crate) const fn unit_axis(&self) -> DVec3 {
-        self.axis.w
-    }
-
     /// Returns the spans of the side and between the ends.
     #[inline]
     fn spans(&self, ray: &Ray, leaving: Leaving) -> Option<[Span; 2]> {

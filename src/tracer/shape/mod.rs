@@ -553,7 +553,7 @@ impl Shape {
         }
     }
 
-    /// Returns the first crossing of each ray of a bundle. Meshes and solids find all of them at once.
+    /// Returns the first crossing of each ray of a bundle. Meshes, solids and copies find all of them at once.
     pub(crate) fn first_of_each(
         &self,
         bundle: &Bundle,
@@ -562,7 +562,7 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => mesh.first_of_each(bundle, leaving),
             Self::Solid(solid) => solid.first_of_each(bundle, leaving),
-            Self::Placed(placed) => placed.first_of_each(bundle, leaving),
+            Self::Instances(copies) => copies.first_of_each(bundle, leaving),
             _ => bundle.each(|lane, ray, t_max| self.meet(ray, leaving[lane], t_max)),
         }
     }

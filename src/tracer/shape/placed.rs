@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     error::GeometryError,
-    ray::{BUNDLE, Bundle, Ray},
+    ray::Ray,
     shape::{
         Membership, Shape,
         around::Around,
@@ -108,26 +108,6 @@ impl Placed {
             ray,
             leaving,
         }
-    }
-
-    /// Returns the first crossing of each ray of a bundle.
-    pub(crate) fn first_of_each(
-        &self,
-        bundle: &Bundle,
-        leaving: &[Leaving; BUNDLE],
-    ) -> [Option<Crossing>; BUNDLE] {
-        let inner = bundle.mapped(|ray| self.transform.ray_back(ray));
-        let mut met = self.shape.first_of_each(&inner, leaving);
-        for (lane, met) in met.iter_mut().enumerate() {
-            if let Some(first) = met {
-                let ray = bundle.ray(lane);
-                let passage = self.crossings(&ray, leaving[lane]);
-                if !passage.counts(first) {
-                    *met = passage.in_front(bundle.t_max()[lane]).next();
-                }
-            }
-        }
-        met
     }
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {

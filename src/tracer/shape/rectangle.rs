@@ -84,6 +84,16 @@ impl Rectangle {
         at.see(0, &equation, edges, see);
     }
 
+    /// The four corners, in their order around it.
+    pub(crate) const fn corners(&self) -> [DVec3; 4] {
+        self.corners
+    }
+
+    /// The plane with a unit normal.
+    pub(crate) const fn unit_plane(&self) -> &Plane {
+        &self.unit_plane
+    }
+
     const fn halves(&self) -> [[DVec3; 3]; 2] {
         let [a, b, c, d] = self.corners;
         [[a, b, c], [a, c, d]]

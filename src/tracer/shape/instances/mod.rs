@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     error::GeometryError,
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         Extent, Membership, Shape,
         around::Around,
@@ -225,6 +225,23 @@ impl Instances {
         })
     }
 
+    /// The number of faces of a copy.
+    pub(crate) const fn faces_of_copy(&self) -> u64 {
+        self.faces
+    }
+
+    /// Returns a shape of the prototype, and the number of its first face in a copy.
+    #[inline]
+    pub(crate) fn part(&self, index: usize) -> Option<(&Shape, u64)> {
+        let part = self.prototype.get(index)?;
+        Some((&part.shape, part.first))
+    }
+
+    /// The box and the ball around the prototype, if it is bounded.
+    pub(crate) const fn around_prototype(&self) -> Option<&Around> {
+        self.inner.as_ref()
+    }
+
     /// Returns the lower and upper corners of a box around a copy, if it is finite.
     pub(crate) fn box_of(&self, copy: usize) -> Option<[DVec3; 2]> {
         self.inner?.mapped(&self.transform(copy)?)?.bounds()
@@ -301,6 +318,18 @@ impl Instances {
         Passage::new(self, ray, leaving)
     }
 
+    /// Returns the first crossing of each ray of a bundle.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        match self.index.get() {
+            Some(index) => index.first_of_each(self, bundle, leaving),
+            None => bundle.each(|lane, ray, t_max| self.crossings(ray, leaving[lane]).first(t_max)),
+        }
+    }
+
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         let mut test = |copy: usize| {
             let is_near = self.box_of(copy).is_none_or(|around| at.is_near(around));
@@ -315,9 +344,14 @@ impl Instances {
                 });
             }
         };
+        self.each_near(at.around(), &mut test);
+    }
+
+    /// Calls `see` with each copy whose box meets another one, given its corners, and maybe with others.
+    pub(crate) fn each_near(&self, corners: [DVec3; 2], see: &mut dyn FnMut(usize)) {
         match self.index.get() {
-            Some(index) => index.each_near(at.around(), &mut test),
-            None => (0..self.len()).for_each(test),
+            Some(index) => index.each_near(corners, see),
+            None => (0..self.len()).for_each(see),
         }
     }
 

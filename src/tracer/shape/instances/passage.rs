@@ -5,7 +5,7 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::tracer::{
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         around::Around,
         face::{Crossing, FaceId, Leaving, in_front},
@@ -19,6 +19,14 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
     /// Returns the crossing with the smallest `t`, `0 < t < t_max`; at equal `t` the one with the
     /// lowest number.
     fn first(&self, passage: &Passage, t_max: f64) -> Option<Crossing>;
+
+    /// Returns the first crossing of each ray of a bundle.
+    fn first_of_each(
+        &self,
+        copies: &Instances,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE];
 
     /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
