@@ -199,7 +199,7 @@ fn ambient_light_is_darker_in_corners() {
     let wall = Plane::new(DVec3::ZERO, DVec3::X).unwrap();
     let world = |max_depth| {
         by_paths(
-            vec![floor(half()), Geometry::new(wall.clone(), Color::BLACK)],
+            vec![floor(half()), Geometry::new(wall, Color::BLACK)],
             vec![ambient()],
             (options(1 << 14), max_depth),
         )

@@ -262,7 +262,7 @@ mod tests {
     fn normals_have_their_density() {
         for (alpha, cosine) in [(0.3, 0.9), (0.5, 0.5), (1.0, 0.2)] {
             let facets = Microfacets::of_alpha(alpha);
-            let v = DVec3::new((1.0 - cosine * cosine as f64).sqrt(), 0.0, cosine);
+            let v = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
             let mut random = Rng(11);
             let mut number = || (random.signed() + 1.0) / 2.0;
             const CELLS: usize = 8;
