@@ -260,7 +260,7 @@ mod tests {
     // Each cell of directions gets as many samples as the density says.
     #[test]
     fn normals_have_their_density() {
-        for (alpha, cosine) in [(0.3, 0.9), (0.5, 0.5), (1.0, 0.2)] {
+        for (alpha, cosine) in [(0.3, 0.9_f64), (0.5, 0.5), (1.0, 0.2)] {
             let facets = Microfacets::of_alpha(alpha);
             let v = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
             let mut random = Rng(11);
