@@ -174,7 +174,10 @@ fn kind(schema: &Value, property: &Value) -> String {
         assert!(schema["$defs"][name].is_object());
         return format!("[{name}](#{})", name.to_lowercase());
     }
-    if let Some(first) = property["anyOf"].as_array().and_then(|all| all.first()) {
+    let any_of = property["anyOf"].as_array();
+    if let Some(first) = any_of.and_then(|all| all.first())
+        && property["type"].is_null()
+    {
         return kind(schema, first);
     }
     let name = match &property["type"] {
