@@ -160,11 +160,13 @@ impl<'a> Surface<'a> {
         Onward { path, factor }
     }
 
-    /// Returns the ray that goes straight on.
+    /// Returns the ray that goes straight on: no deeper than the path, unless that did not get on either, in f64, since
+    /// it began; so it ends.
     pub(super) fn straight(&self, factor: Radiance, start: &Departure) -> Box<Onward> {
         let direction = self.path.ray.direction();
         let mut onward = self.onward(direction, factor, start.through(direction));
-        onward.path.depth = self.path.depth;
+        let got_on = self.hit.t == 0.0 || self.hit.point != self.path.ray.origin();
+        onward.path.depth = self.path.depth + u32::from(!got_on);
         Box::new(onward)
     }
 

@@ -633,7 +633,8 @@ fn pictures_of_touching_geometries_are_those_of_the_plain_definition() {
 fn a_transparent_picture_in_front_of_its_background_is_the_opaque_one() {
     let pool = Pool::new(Some(1));
     let mut clear = 0;
-    for seed in 0..cases(60) as u64 {
+    // In the last picture, a ray through glass meets surfaces at its own origin again and again.
+    for seed in (0..cases(60) as u64).chain([2845]) {
         let mut random = Rng(seed.wrapping_mul(0x2345_6789) | 1);
         let mut case = Case::new(&mut random);
         // Alpha is one number, so the light behind it is gray.

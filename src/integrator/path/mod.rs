@@ -52,6 +52,9 @@ const ROULETTE: u32 = 3;
 /// The largest probability of a path to go on there.
 const MOST_LIKELY: f64 = 0.95;
 
+/// The number of panes that a path goes straight through beyond its depth, so that it ends.
+const MOST_PANES: u32 = 1024;
+
 /// A world whose light follows paths.
 #[derive(Clone, Debug)]
 pub(crate) struct PathTracer<'a, Q> {
@@ -239,6 +242,9 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
 
     /// Adds the light at the end of a ray, and returns how the path goes on.
     fn step(&self, mut path: Path, state: &mut PathState, sampler: &Sampler) -> Option<Path> {
+        if path.depth > self.max_depth + MOST_PANES {
+            return None;
+        }
         let Some(met) = self.meet(&mut path) else {
             self.pass(&path, f64::INFINITY, state);
             self.escape(&path, state);

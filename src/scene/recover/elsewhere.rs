@@ -141,7 +141,7 @@ const ABSENT: &[(&str, &str)] = &[
         "this shape is not supported; export it as a PLY, OBJ or STL file and use `Mesh(file: …)`",
     ),
     (
-        "texture textures pigment finish map normal_map bump bump_map uv image_map checker noise",
+        "texture textures pigment finish map normal_map bump bump_map uv image_map checker",
         "textures are not supported; give a `color`, a `material`, or colors of vertices in a mesh file",
     ),
     (
@@ -154,11 +154,13 @@ const ABSENT: &[(&str, &str)] = &[
     ),
     (
         "area_light arealight rectarealight hemispherelight quadlight",
-        "lights with a size are not supported; use `Point`, `Spot`, `Directional` or `Ambient`",
+        "lights with a size are a `Point` or `Spot` with a `radius`, a `Directional` with an `angle`, or an `Emissive` \
+         geometry, under `lighting: Path()`",
     ),
     (
         "skybox sky_sphere environment environment_map envmap hdri fog media volume atmosphere",
-        "the surroundings of a scene are one color, `background`",
+        "the surroundings are one color, `background`, or the light `Environment` under `lighting: Path()`; pictures and \
+         fog are not supported",
     ),
     (
         "aperture focal_point focus_distance focal_blur dof lens_radius shutter motion_blur",
@@ -174,7 +176,7 @@ const ABSENT: &[(&str, &str)] = &[
     ),
     (
         "global_settings max_trace_level max_bounces",
-        "the depth of reflections is `lighting: Direct(max_depth: …)`",
+        "the depth of reflections is `max_depth` of `lighting`",
     ),
 ];
 
