@@ -19,7 +19,8 @@ use strahl::{
 /// Returns a material with a highlight.
 fn shiny(color: ColorModel) -> MaterialModel {
     MaterialModel::Phong(PhongModel {
-        diffuse: color,
+        diffuse: Some(color),
+        texture: None,
         specular: None,
         exponent: Some(60.0),
         reflection: None,
@@ -33,6 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         look_at: Some([0.0, 0.5, 0.0]),
         up: None,
         fov: 45.0,
+        aperture: None,
+        focus: None,
+        focus_at: None,
     };
     let floor = PlaneModel {
         point: [0.0, -1.0, 0.0],

@@ -7,7 +7,7 @@
 //!   in `many` have five faults or more. Next to each are `<file>.expected`, the output of
 //!   `strahl validate --output-format short`, and `<file>.codes`, with a line `LINE:COLUMN CODE` for
 //!   each fault.
-//! - The tables, parts and meshes that they name are in folders called `tables`, `parts` and `meshes`
+//! - The tables, parts, meshes and pictures that they name are in folders called `tables`, `parts`, `meshes` and `pictures`
 //!   next to them.
 //!   `.expected` has the faults of parts as well, `.codes` those of the scene.
 //! - In `.expected`, `…` stands for long lists of names and for their lengths, so that a new name
@@ -46,7 +46,7 @@ const INVALID: &str = "tests/invalid";
 const MANY: (&str, usize) = ("many", 5);
 
 /// The folders of the files that scenes name, which are not cases.
-const NAMED: [&str; 3] = ["tables", "parts", "meshes"];
+const NAMED: [&str; 4] = ["tables", "parts", "meshes", "pictures"];
 
 /// The extensions of the files next to a scene with faults.
 const BESIDE: [&str; 2] = ["expected", "codes"];

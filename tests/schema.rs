@@ -29,6 +29,8 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     (Code::UnsortedKeys, "it does not compare values"),
     (Code::FileNotFound, "it opens no file"),
     (Code::InvalidMesh, "it opens no file"),
+    (Code::InvalidImage, "it opens no file"),
+    (Code::MissingUv, "it does not resolve materials"),
     (Code::OutsideFolder, "it follows no path"),
     (Code::InvalidTable, "it opens no table"),
     (Code::CannotFit, "it does not know what is bounded"),

@@ -225,6 +225,10 @@ struct CameraView<'a> {
     terms: CameraTerms,
     #[serde(skip_serializing_if = "Option::is_none")]
     fov_degrees: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    aperture: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    focus: Option<f64>,
     extrinsics: [[f64; 4]; 3],
     #[serde(skip_serializing_if = "Option::is_none")]
     intrinsics: Option<[[f64; 3]; 3]>,
@@ -257,6 +261,10 @@ impl<'a> CameraView<'a> {
             place: GeometryPlace::new(scene, id),
             depth,
         };
+        let (fov_degrees, lens) = match camera {
+            Camera::Perspective(camera) => (Some(fov_degrees(camera.half_angle())), camera.lens()),
+            Camera::Orthographic(_) => (None, None),
+        };
         let nearest = seen.iter().min_by(|a, b| a.nearest.total_cmp(&b.nearest));
         // Of several equally far ones the first is taken, as for the nearest.
         let farthest = seen.iter().rev();
@@ -265,10 +273,9 @@ impl<'a> CameraView<'a> {
             name,
             fit,
             terms: CameraTerms::new(&camera),
-            fov_degrees: match camera {
-                Camera::Perspective(camera) => Some(fov_degrees(camera.half_angle())),
-                Camera::Orthographic(_) => None,
-            },
+            fov_degrees,
+            aperture: lens.map(|[aperture, _]| aperture),
+            focus: lens.map(|[_, focus]| focus),
             extrinsics: camera.extrinsics(),
             intrinsics: camera.intrinsics(width, height),
             affine: camera.affine(width, height),
@@ -352,6 +359,12 @@ impl fmt::Display for CameraView<'_> {
         write!(out, ", {}", self.terms)?;
         if let Some(fov) = self.fov_degrees {
             writeln!(out, "  fov 2α       {fov:?} degrees")?;
+        }
+        if let Some((aperture, focus)) = self.aperture.zip(self.focus) {
+            writeln!(
+                out,
+                "  lens         aperture {aperture:?}, sharp at {focus:?}"
+            )?;
         }
         if let Some([[focal, ..], ..]) = self.intrinsics {
             writeln!(out, "  focal length {focal:?} pixels")?;

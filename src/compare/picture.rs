@@ -1,10 +1,13 @@
 //! A picture as its file has it: the samples, and other layers.
 
+use std::convert::identity;
+
 use crate::{
     compare::layers::{self, Layer, LayerComparison},
     diagnostic::error::{Error, ErrorKind},
     film::size::Size,
     image_file::check_memory,
+    tracer::srgb::to_linear,
 };
 
 /// A picture with the samples of its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY
@@ -110,6 +113,31 @@ impl Picture {
         Ok(picture)
     }
 
+    /// Returns the linear light of its colors, from the top left; `None` if it has none. Gray is the same in all
+    /// channels, and alpha does not count.
+    pub(crate) fn into_light(self) -> Option<(Size, Vec<[f32; 3]>)> {
+        if !self.has_colors {
+            return None;
+        }
+        let table = |most: u16| -> Vec<f32> {
+            let display = (0..=most).map(|value| f64::from(value) / f64::from(most));
+            display.map(|value| to_linear(value) as f32).collect()
+        };
+        let channels = self.channels;
+        let light = match &self.samples {
+            Samples::Bytes(all) => {
+                let table = table(u8::MAX.into());
+                colors(all, channels, |byte| table[usize::from(byte)])
+            }
+            Samples::Words(all) => {
+                let table = table(u16::MAX);
+                colors(all, channels, |word| table[usize::from(word)])
+            }
+            Samples::Floats(all) => colors(all, channels, identity),
+        };
+        Some((self.size, light))
+    }
+
     fn with_layers(mut self, layers: Vec<Layer>) -> Self {
         self.layers = Some(layers);
         self
@@ -134,4 +162,15 @@ impl Picture {
     pub(super) fn has_alpha(&self) -> bool {
         self.channels.is_multiple_of(2)
     }
+}
+
+/// Returns red, green and blue of each pixel.
+fn colors<T: Copy>(all: &[T], channels: usize, light: impl Fn(T) -> f32) -> Vec<[f32; 3]> {
+    let pixels = all.chunks_exact(channels);
+    let colors = pixels.map(|pixel| match *pixel {
+        [r, g, b, ..] => [r, g, b].map(&light),
+        [gray, ..] => [light(gray); 3],
+        [] => [0.0; 3],
+    });
+    colors.collect()
 }

@@ -116,6 +116,10 @@ codes! {
     InvalidTable = "invalid-table", Error;
     /// A mesh file with invalid content.
     InvalidMesh = "invalid-mesh", Error;
+    /// A picture with invalid content.
+    InvalidImage = "invalid-image", Error;
+    /// A mesh without coordinates for its texture.
+    MissingUv = "missing-uv", Error;
     /// A part with errors, or one that is not a scene file.
     InvalidPart = "invalid-part", Error;
     /// A part that contains the file that names it.
@@ -142,6 +146,10 @@ codes! {
     DimLight = "dim-light", Warning;
     /// A light inside an opaque sphere.
     LightInside = "light-inside", Warning;
+    /// Solid glass that no light gets through, where light follows paths.
+    LostCaustic = "lost-caustic", Warning;
+    /// A geometry that shines but that no path of light aims at.
+    NotAimed = "not-aimed", Warning;
     /// A camera that certainly sees none of the geometries.
     NothingVisible = "nothing-visible", Warning;
     /// The eye of a perspective camera lies inside a sphere.

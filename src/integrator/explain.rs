@@ -140,7 +140,9 @@ impl Queries for Listener<'_> {
         let transmission = self.world.transmission(ray, t_max, start);
         self.at_light(|light| {
             self.world.each_in_the_way(ray, t_max, start, |passed| {
-                let Passed { face, t, factor } = passed;
+                let Passed {
+                    face, t, factor, ..
+                } = passed;
                 let id = self.world.id_of(face.geometry, face.face);
                 light.crossings.push((id, t, factor));
             });

@@ -95,7 +95,8 @@ impl Scene {
         let (projection, size) = match camera {
             Camera::Perspective(camera) => {
                 let fov = 2.0 * camera.half_angle().to_degrees();
-                let projection = PerspectiveProjectionModel { fov };
+                let aperture = camera.lens().map(|[aperture, _]| aperture);
+                let projection = PerspectiveProjectionModel { fov, aperture };
                 (ProjectionModel::Perspective(projection), (width, height))
             }
             Camera::Orthographic(camera) => {

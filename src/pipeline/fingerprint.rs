@@ -18,7 +18,7 @@ use crate::{
         geometry::Geometry,
         light::{
             Light,
-            transport::{PathOptions, Transport},
+            transport::{PathOptions, PixelFilter, Transport},
         },
         material::{
             Material,
@@ -116,7 +116,12 @@ impl Fingerprint {
     pub(crate) fn camera(&mut self, camera: &Camera) {
         let (kind, number, basis) = match camera {
             Camera::Perspective(camera) => {
-                let (basis, half_angle) = camera.parts();
+                let (basis, half_angle, lens) = camera.parts();
+                if let Some(lens) = lens {
+                    self.text("lens");
+                    self.number(lens.aperture());
+                    self.number(lens.focus());
+                }
                 ("perspective", half_angle, basis)
             }
             Camera::Orthographic(camera) => {
@@ -187,6 +192,7 @@ impl Fingerprint {
             caustics,
             clamp,
             seed,
+            filter,
         } = match transport {
             Transport::Direct => return,
             Transport::Path(options) => *options,
@@ -200,6 +206,10 @@ impl Fingerprint {
         ]);
         self.number(clamp.unwrap_or(-1.0));
         self.number(seed.into());
+        if let PixelFilter::Gaussian(sigma) = filter {
+            self.text("gaussian");
+            self.number(sigma);
+        }
     }
 
     fn light(&mut self, light: &Light) {
@@ -224,6 +234,10 @@ impl Fingerprint {
             MaterialBinding::Plain(_) => {}
             MaterialBinding::ByFace(_) => self.text("faces"),
             MaterialBinding::ByVertex(materials) => self.vertices(materials.vertices()),
+            MaterialBinding::Textured(textured) => {
+                self.text("texture");
+                textured.each_number(|number| self.number(number));
+            }
             MaterialBinding::ByShape(all) => {
                 self.text("shapes");
                 return all.bindings().iter().for_each(|one| self.binding(one));

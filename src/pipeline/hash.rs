@@ -81,7 +81,10 @@ fn in_words(camera: &Camera) -> String {
     match camera {
         Camera::Perspective(camera) => {
             let fov = camera.half_angle().to_degrees() * 2.0;
-            format!("Perspective(eye: {eye}, gaze: {gaze}, up: {up}, fov: {fov:?})")
+            let lens = camera.lens().map_or_else(String::new, |[aperture, focus]| {
+                format!(", aperture: {aperture:?}, focus: {focus:?}")
+            });
+            format!("Perspective(eye: {eye}, gaze: {gaze}, up: {up}, fov: {fov:?}{lens})")
         }
         Camera::Orthographic(camera) => {
             let (scale, stretch) = (camera.scale(), camera.stretch());

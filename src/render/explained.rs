@@ -16,7 +16,7 @@ use crate::{
         Integrator,
         direct::Shaded,
         explain::{TracedRay, explain},
-        path::{PathTracer, sampler::Sampler},
+        path::PathTracer,
     },
     render::{
         hits::{Hits, Rays},
@@ -142,9 +142,8 @@ impl PixelSource<'_> {
     /// Returns the mean of the paths of a pixel, counted from the bottom left, without its lines.
     fn by_paths(&self, paths: &PathTracer<World>, pixel: [u32; 2]) -> ExplainedPixel {
         let samples = (0..paths.samples()).map(|sample| {
-            let sampler = Sampler::new(pixel, sample, paths.seed());
-            let ray = sampler.ray(self.camera, self.size, pixel);
-            paths.sample(ray, &sampler).light.parts
+            let sample = paths.sample_of((self.camera, self.size), pixel, sample);
+            sample.light.parts
         });
         let sum = samples.fold(LightParts::default(), LightParts::add);
         let parts = sum.map(|sum| sum / f64::from(paths.samples()));

@@ -26,9 +26,12 @@ use crate::{
         hit::Hit,
         light::{
             Ambient, Cone, Directional, Environment, Headlight, Light, Point, Spot,
-            falloff::Falloff,
+            falloff::Falloff, picture::SkyPicture,
         },
-        material::{Emissive, Glass, Material, Phong, Principled},
+        material::{
+            Emissive, Glass, Material, Phong, Principled,
+            texture::{Checkerboard, ImageTexture, Texture, TextureMapping},
+        },
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
@@ -39,6 +42,7 @@ use crate::{
             plane::Plane,
             sphere::Sphere,
         },
+        texels::{TexelWrap, Texels},
         tone::{Tone, ToneMapping},
         world::{Lighting, World},
     },
@@ -121,7 +125,20 @@ fn light(random: &mut Rng, middle: DVec3, size: f64, geometries: &[Geometry]) ->
     }
     let towards = random.vector() + 1e-9 * DVec3::X;
     match random.below(7) {
-        6 => Environment::new(hue, intensity).unwrap().into(),
+        6 => match random.below(3) {
+            0 => {
+                let (width, height) =
+                    (random.one(&[1, 3, 8]) as u32, random.one(&[1, 2, 5]) as u32);
+                let mut light = || [random.signed().abs(), 0.5, 9.0].map(|part| part as f32);
+                let light = (0..width * height).map(|_| light()).collect();
+                let picture = SkyPicture::new(Texels::new(width, height, light).unwrap()).unwrap();
+                let turn = random.one(&[0.0, 77.0]);
+                Environment::of_picture(&picture, towards, turn, intensity)
+                    .unwrap()
+                    .into()
+            }
+            _ => Environment::new(hue, intensity).unwrap().into(),
+        },
         0 => Ambient::new(hue, intensity).unwrap().into(),
         1 => Headlight::new(hue, intensity).unwrap().into(),
         2 => Directional::new(towards, hue, intensity, shadows)
@@ -144,6 +161,31 @@ fn light(random: &mut Rng, middle: DVec3, size: f64, geometries: &[Geometry]) ->
             .unwrap()
             .into(),
     }
+}
+
+/// Gives a geometry a texture.
+fn textured(random: &mut Rng, geometry: Geometry, (middle, size): (DVec3, f64)) -> Geometry {
+    let texture = match random.below(2) {
+        0 => {
+            let cell = random.one(&[0.1, 0.3 * size]);
+            Texture::Checker(Checkerboard::new(color(random), color(random), cell).unwrap())
+        }
+        _ => {
+            let mut light = || [random.signed().abs(), 0.5, 0.1].map(|part| part as f32);
+            let light = (0..6).map(|_| light()).collect();
+            Texture::Image(ImageTexture {
+                texels: Texels::new(3, 2, light).unwrap(),
+                is_smooth: random.below(2) == 0,
+                wrap: random.one(&[TexelWrap::Repeat, TexelWrap::Clamp]),
+            })
+        }
+    };
+    let mapping = match random.below(4) {
+        0 => TextureMapping::planar(middle, [DVec3::X * size, DVec3::new(0.1, 1.0, 0.2) * size]),
+        1 => TextureMapping::spherical(middle, DVec3::Y, DVec3::new(1.0, 0.5, 0.0)),
+        _ => Ok(TextureMapping::Natural),
+    };
+    geometry.textured(texture, mapping.unwrap())
 }
 
 fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
@@ -173,7 +215,11 @@ fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
         };
         let faces = (0..random.one(&[0, 0, 1, 3])).map(|_| material(random));
         let faces: Vec<_> = faces.collect();
-        geometries.push(Geometry::new(shape, material(random)).by_face(faces));
+        let geometry = Geometry::new(shape, material(random)).by_face(faces);
+        geometries.push(match random.below(8) {
+            0 => textured(random, geometry, (middle, size)),
+            _ => geometry,
+        });
     }
     for _ in 0..random.one(&[0, 1, 1, 2, 4]) {
         let anywhere = random.vector();
@@ -181,7 +227,12 @@ fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
         let normal = random.one(&[DVec3::Y, DVec3::Z, DVec3::new(0.1, 1.0, 0.3)]);
         let plane = Plane::new(point, normal * random.magnitude(-3.0, 3.0)).unwrap();
         let at = random.below(geometries.len() + 1);
-        geometries.insert(at, Geometry::new(plane, material(random)));
+        let plane = Geometry::new(plane, material(random));
+        let plane = match random.below(4) {
+            0 => textured(random, plane, (middle, size)),
+            _ => plane,
+        };
+        geometries.insert(at, plane);
     }
     let lights = (0..random.one(&[0, 1, 1, 2, 5]))
         .map(|_| light(random, middle, size, &geometries))

@@ -68,7 +68,10 @@ fn framing(camera: Option<&CameraModel>, from: Triple) -> CameraModel {
     let (projection, margin) = match camera {
         None => (None, None),
         Some(CameraModel::Perspective(camera)) => {
-            let projection = PerspectiveProjectionModel { fov: camera.fov };
+            let projection = PerspectiveProjectionModel {
+                fov: camera.fov,
+                aperture: camera.aperture,
+            };
             (Some(ProjectionModel::Perspective(projection)), None)
         }
         Some(CameraModel::Orthographic(_)) => {

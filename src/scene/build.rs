@@ -26,7 +26,10 @@ use crate::{
         color::Color,
         error::GeometryError,
         geometry::Geometry,
-        material::Material,
+        material::{
+            Material,
+            texture::{Texture, TextureMapping},
+        },
         world::{Lighting, World},
     },
 };
@@ -341,7 +344,8 @@ fn add_leaf(
 
 /// Places a geometry.
 fn placed(geometry: Geometry, placement: &Placement) -> Result<Geometry, GeometryError> {
-    geometry.map_shape(|shape| placement.place(shape))
+    let transform = placement.transform()?.map(|all| &**all);
+    geometry.placed(transform, |shape| placement.place(shape))
 }
 
 /// Adds the geometries of a file or the copies that a geometry names. Returns the values of a table
@@ -361,10 +365,12 @@ fn add(
     let material = model.surface().material;
     let material = material.map(|material| materials.of_model(material));
     let material = material.transpose()?;
+    let texture = model.surface().material;
+    let texture = texture.map_or(Ok(None), |material| materials.texture(material))?;
     let mut scale = Scale::new(model, table);
     rows(
         table,
-        material.as_ref(),
+        (material.as_ref(), texture.as_ref()),
         scale.as_mut(),
         placement,
         all,
@@ -387,7 +393,7 @@ fn surroundings(
     }
     let own = model.lights.iter().flatten();
     let mut lights: Vec<_> = own.map(LightModel::build).collect::<Result<_, _>>()?;
-    lights.extend(of_parts.flatten().map(|(_, light)| *light));
+    lights.extend(of_parts.flatten().map(|(_, light)| light.clone()));
     let direct = Lighting::new(lights);
     let lighting = match &model.lighting {
         None => direct,
@@ -403,7 +409,7 @@ fn surroundings(
 /// Builds the rows of a table. The color of a row replaces the first color of the material.
 fn rows(
     table: &Table,
-    material: Option<&Material>,
+    (material, texture): (Option<&Material>, Option<&(Texture, TextureMapping)>),
     mut scale: Option<&mut Scale>,
     placement: &Placement,
     geometries: &mut Vec<Geometry>,
@@ -421,8 +427,15 @@ fn rows(
             (Some(scale), Some(value)) => scale.add(value),
             _ => Color::new(r, g, b),
         };
-        match row.shape.and_then(|shape| placement.place(shape)) {
-            Ok(shape) => geometries.push(Geometry::new(shape, of_row(color))),
+        let built = row.shape.and_then(|shape| match texture {
+            None => Ok(Geometry::new(placement.place(shape)?, of_row(color))),
+            Some((texture, mapping)) => {
+                let geometry = Geometry::new(shape, of_row(color));
+                placed(geometry.textured(texture.clone(), *mapping), placement)
+            }
+        });
+        match built {
+            Ok(geometry) => geometries.push(geometry),
             Err(error) => refused = Some(error),
         }
         refused.is_some() || cancel.is_some_and(Cancel::is_cancelled)

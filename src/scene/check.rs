@@ -21,6 +21,7 @@ use crate::{
         meshes, nested,
         options::ReadOptions,
         part::{Needs, PartCache},
+        pictures,
         problem::{Focus, Problem, Tally},
         read::{self, LARGE},
         recover::{self, Recovered, text::Repairs},
@@ -135,12 +136,14 @@ impl CheckedModel {
             has_files |= geometry.file().is_some();
             has_copies |= geometry.copies().is_some();
         }
+        has_files |= model.pictures().next().is_some() || model.textures().next().is_some();
         let is_wanted = is_known && has_files;
         let cache = LazyCell::new(|| PartCache::of(options));
         let (mut tables, mut needs, mut found) = Default::default();
         if let Some(folder) = options.tables().filter(|_| is_wanted) {
             watch.time(Stage::Read, || {
                 found = meshes::read(&mut model, &folder, options);
+                found.extend(pictures::read(&mut model, &folder, options));
                 let (read, problems) = tables::read(&model, &folder, options);
                 tables = read;
                 found.extend(problems);
@@ -155,6 +158,9 @@ impl CheckedModel {
         }
         if is_wanted {
             let files = model.walk().filter_map(|(_, geometry)| geometry.file());
+            let pictures = model.pictures().map(|picture| &*picture.path);
+            let textures = model.textures().map(|texture| &*texture.path);
+            let files = files.chain(pictures).chain(textures);
             files.for_each(|file| needs.add_file(options.path_of(file)));
         }
         let most = options.most_diagnostics();

@@ -64,6 +64,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
         };
         let place = Place {
             file: &named.path,
+            field: "file",
             variant,
         };
         let wanted = Wanted {

@@ -26,6 +26,7 @@ pub(crate) mod origin;
 pub(crate) mod origins;
 pub(crate) mod part;
 pub(crate) mod path;
+mod pictures;
 mod place;
 pub(crate) mod problem;
 pub(crate) mod read;

@@ -63,6 +63,7 @@ pub(super) fn read(
         };
         let place = Place {
             file: &named.file,
+            field: "file",
             variant: model.path_of(at),
         };
         let is_placed = !model.transforms(at).is_empty();

@@ -50,13 +50,15 @@ impl Part {
     /// innermost.
     pub(crate) fn placed(&self, transforms: &[Arc<Transform>]) -> Result<Self, GeometryError> {
         let mut placer = Placer::new(transforms);
+        let transform = placer.transform()?;
         let geometries = self.geometries.iter().map(|geometry| {
-            let geometry = geometry.clone();
-            geometry.map_shape(|shape| placer.place(shape))
+            geometry
+                .clone()
+                .placed(transform.as_deref(), |shape| placer.place(shape))
         });
         let lights = self.lights.iter().flatten().map(|(name, light)| {
             let mut innermost = transforms.iter().rev();
-            let light = innermost.try_fold(*light, |light, level| light.placed(level))?;
+            let light = innermost.try_fold(light.clone(), |light, level| light.placed(level))?;
             Ok((name.clone(), light))
         });
         Ok(Self {

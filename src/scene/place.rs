@@ -1,4 +1,4 @@
-//! A geometry that names a file, and the problems of that file.
+//! A part of a scene that names a file, and the problems of that file.
 
 use std::io::Read;
 
@@ -18,9 +18,11 @@ use crate::{
     tracer::error::GeometryError,
 };
 
-/// A geometry that names a file.
+/// A part of a scene that names a file.
 pub(crate) struct Place<'a> {
     pub(crate) file: &'a str,
+    /// The field with its path.
+    pub(crate) field: &'static str,
     pub(crate) variant: Path,
 }
 
@@ -60,7 +62,7 @@ impl Place<'_> {
     /// The path of a field that may be at fault.
     fn field(&self, blamed: Blamed) -> Path {
         match blamed {
-            Blamed::File => self.variant.field("file"),
+            Blamed::File => self.variant.field(self.field),
             Blamed::Columns => self.variant.field("columns"),
             Blamed::Array => self.variant.field("array"),
             Blamed::Value => self.variant.field("color_by").field("column"),

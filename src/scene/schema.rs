@@ -294,18 +294,19 @@ impl Printer {
 
 /// Returns what each field of a set requires; `null` counts as missing.
 fn given_of(set: &Set, object: &Object) -> Value {
-    let given = set.fields.map(|name| {
-        let field = object.fields.iter().find(|field| field.name == name);
+    let given = set.fields.iter().map(|name| {
+        let field = object.fields.iter().find(|field| field.name == *name);
         let some = match (set.needs, field.map(|field| (field.of_type)())) {
             (Needs::One | Needs::AtMostOne, _) => json!({"not": {"type": "null"}}),
             (Needs::Any, Some(Type::Map(..) | Type::OneOf(_))) => {
                 json!({"type": "object", "minProperties": 1})
             }
-            (Needs::Any, _) => json!({"type": "object"}),
+            (Needs::Any, Some(Type::Object(..))) => json!({"type": "object"}),
+            (Needs::Any, _) => json!({"not": {"type": "null"}}),
         };
         given(name, &some)
     });
-    json!(given)
+    given.collect()
 }
 
 /// Returns the pattern of the paths to the fields of some kinds. Of what lies between the first and

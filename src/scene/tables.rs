@@ -191,6 +191,7 @@ pub(crate) fn read(
         let before = problems.len();
         let place = Place {
             file: named.file,
+            field: "file",
             variant: model.path_of(at),
         };
         let locate = |problems: &mut Vec<Problem>| {
@@ -342,10 +343,15 @@ impl Tables {
 
     /// Returns the lights that each lit part adds to the scene.
     pub(crate) fn lights(&self) -> impl Iterator<Item = &[PartLight]> {
-        self.0.values().filter_map(|content| match content {
+        self.lights_of_parts().map(|(_, lights)| lights)
+    }
+
+    /// The same with the numbers of the geometries that name the parts.
+    pub(crate) fn lights_of_parts(&self) -> impl Iterator<Item = (Ordinal, &[PartLight])> {
+        self.0.iter().filter_map(|(at, content)| match content {
             Content::Part {
                 part, lights: true, ..
-            } => part.lights.as_deref(),
+            } => part.lights.as_deref().map(|lights| (*at, lights)),
             Content::Part { .. } | Content::Table(..) | Content::Copies(..) => None,
         })
     }

@@ -206,6 +206,9 @@ mod tests {
             look_at: None,
             up: None,
             fov: 90.0,
+            aperture: None,
+            focus: None,
+            focus_at: None,
         }))
     }
 

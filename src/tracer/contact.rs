@@ -97,6 +97,8 @@ pub(crate) struct Passed {
     pub(crate) t: f64,
     /// The part of the light that comes through.
     pub(crate) factor: Radiance,
+    /// The glass that it is, if it is some.
+    pub(crate) glass: Option<Interface>,
 }
 
 /// The glass that a ray crosses at one point: the first of each kind in the list.
@@ -184,15 +186,20 @@ impl World {
     /// Returns what is in the way of light at the origin of a ray.
     pub(crate) fn at_origin(&self, ray: &Ray, start: &Departure) -> Option<Passed> {
         let hit = |face| self.hit_on(ray, 0.0, face);
-        let (face, factor) = match start.crossed(self, ray.direction()) {
+        let (face, factor, glass) = match start.crossed(self, ray.direction()) {
             Crossed::Nothing => return None,
-            Crossed::Opaque(face) => (face, Radiance::BLACK),
+            Crossed::Opaque(face) => (face, Radiance::BLACK, None),
             Crossed::Glass(interface) => {
-                (interface.face, interface.passes(hit(interface.face), ray))
+                let passes = interface.passes(hit(interface.face), ray);
+                (interface.face, passes, Some(interface))
             }
         };
-        let t = 0.0;
-        Some(Passed { face, t, factor })
+        Some(Passed {
+            face,
+            t: 0.0,
+            factor,
+            glass,
+        })
     }
 
     /// Calls `see` with what is in the way of light at some crossings of a ray, from near to far. Those that
@@ -218,16 +225,24 @@ impl World {
             let Some(&(face, hit)) = group.first() else {
                 continue;
             };
-            let factor = match self.crossed_together(group) {
-                Crossed::Nothing => Radiance::WHITE,
-                Crossed::Opaque(_) => Radiance::BLACK,
-                Crossed::Glass(interface) if interface.face == face => interface.passes(hit, ray),
+            let (factor, glass) = match self.crossed_together(group) {
+                Crossed::Nothing => (Radiance::WHITE, None),
+                Crossed::Opaque(_) => (Radiance::BLACK, None),
                 Crossed::Glass(interface) => {
-                    interface.passes(self.hit_on(ray, hit.t, interface.face), ray)
+                    let hit = match interface.face == face {
+                        true => hit,
+                        false => self.hit_on(ray, hit.t, interface.face),
+                    };
+                    (interface.passes(hit, ray), Some(interface))
                 }
             };
             let t = hit.t;
-            see(Passed { face, t, factor });
+            see(Passed {
+                face,
+                t,
+                factor,
+                glass,
+            });
         }
     }
 
@@ -370,8 +385,13 @@ impl Interface {
         self.before.is_some() && self.behind.is_some() && before == behind
     }
 
-    /// Returns the normals of its tiny mirrors: those of the rougher glass.
+    /// Returns the normals of its tiny mirrors: those of the rougher glass. Where light is not bent, there is
+    /// nothing to see of them.
     pub(crate) fn facets(&self) -> Option<Microfacets> {
+        let [one, other] = self.media();
+        if one == other {
+            return None;
+        }
         let all = [self.before, self.behind].into_iter().flatten();
         let rough = all.filter(|glass| !glass.facets().is_smooth());
         let rougher = rough.max_by(|one, other| one.roughness().total_cmp(&other.roughness()));

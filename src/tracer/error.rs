@@ -78,6 +78,26 @@ pub enum GeometryError {
         /// The number of vertices.
         vertices: usize,
     },
+    /// A picture has not as many pixels as its sides say, or none.
+    TexelCount {
+        /// The number of pixels in a row.
+        width: u32,
+        /// The number of rows.
+        height: u32,
+        /// The number of pixels.
+        found: u64,
+    },
+    /// The light of a pixel is below 0, infinite or NaN.
+    Texel {
+        /// The number of its column, from 0 at the left.
+        column: u32,
+        /// The number of its row, from 0 at the top.
+        row: u32,
+        /// The rejected light.
+        value: f64,
+    },
+    /// A picture that should shine is black.
+    BlackPicture,
     /// A camera has nothing to frame, because no geometry is bounded.
     NothingToFit,
     /// A camera that frames its geometries cannot be computed in f64, because they are too large, or
@@ -128,6 +148,19 @@ impl fmt::Display for GeometryError {
                 f,
                 "triangle {triangle} has the corner {vertex}, but there are {vertices} vertices"
             ),
+            Self::TexelCount {
+                width,
+                height,
+                found,
+            } => write!(
+                f,
+                "a picture of {width}x{height} pixels has {found} of them"
+            ),
+            Self::Texel { column, row, value } => write!(
+                f,
+                "pixel ({column}, {row}), from the top left, has the light `{value}`, expected a number of at least 0"
+            ),
+            Self::BlackPicture => f.write_str("the picture is black"),
             Self::NothingToFit => f.write_str("there is nothing to frame: no geometry is bounded"),
             Self::CannotFit => f.write_str(
                 "the geometries cannot be framed in f64: they are too large, or too small for \

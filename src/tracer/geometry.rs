@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::tracer::{
     color::Color,
     error::GeometryError,
@@ -9,6 +11,7 @@ use crate::tracer::{
     material::{
         Material,
         binding::{MaterialBinding, VertexColors},
+        texture::{Texture, TextureMapping, Textured},
     },
     ray::Ray,
     shape::{
@@ -81,6 +84,45 @@ impl Geometry {
         }
     }
 
+    /// Gives the material a texture. The coordinates on the surface are those of the shape as it is now: they stay
+    /// with it where it is placed.
+    #[must_use]
+    pub fn textured(self, texture: Texture, mapping: TextureMapping) -> Self {
+        let textured = Textured::new(
+            self.material().clone(),
+            (texture, mapping),
+            self.shape.clone(),
+        );
+        Self {
+            binding: MaterialBinding::Textured(textured.into()),
+            ..self
+        }
+    }
+
+    /// Returns the geometry where a transform places it, given how shapes are placed.
+    ///
+    /// # Errors
+    ///
+    /// Those of `place`, and a product of transforms that cannot be inverted.
+    pub(crate) fn placed(
+        self,
+        transform: Option<&Transform>,
+        place: impl FnOnce(Shape) -> Result<Shape, GeometryError>,
+    ) -> Result<Self, GeometryError> {
+        // Copies know their own places.
+        let is_one = self.shape.copies().is_none();
+        let binding = match (self.binding, transform) {
+            (MaterialBinding::Textured(textured), Some(transform)) if is_one => {
+                MaterialBinding::Textured(textured.placed(transform)?.into())
+            }
+            (other, _) => other,
+        };
+        Ok(Self {
+            shape: place(self.shape)?,
+            binding,
+        })
+    }
+
     /// Creates copies of geometries, one of all of them for each transform, with the materials of the
     /// geometries.
     ///
@@ -126,6 +168,28 @@ impl Geometry {
             (shape, binding, face) = (inner, binding.of_shape(index), number);
         }
         (shape, binding, face)
+    }
+
+    /// The same, and a point of the face in the space of the shape.
+    pub(crate) fn surface_at(
+        &self,
+        face: u64,
+        point: DVec3,
+    ) -> (&Shape, &MaterialBinding, u64, DVec3) {
+        let (mut shape, mut binding, mut face) = (&self.shape, &self.binding, face);
+        let mut point = point;
+        while let Some((copies, found)) = shape.copies().and_then(|copies| {
+            let found = copies.part_of(face)?;
+            Some((copies, found))
+        }) {
+            point = match copies.transform(copies.copy_of(face)) {
+                Some(transform) => transform.point_back(point),
+                None => point,
+            };
+            let (index, inner, number) = found;
+            (shape, binding, face) = (inner, binding.of_shape(index), number);
+        }
+        (shape, binding, face, point)
     }
 
     /// Returns the number of a face in its shape, which in a copy is one of the prototype; `None` for a

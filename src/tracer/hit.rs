@@ -51,6 +51,10 @@ impl<'a> Hit<'a> {
                 });
                 Cow::Owned(materials.with_color(color.unwrap_or_default()))
             }
+            MaterialBinding::Textured(textured) => {
+                let (_, _, face, point) = self.geometry.surface_at(self.face, self.point);
+                Cow::Owned(textured.at(point, face))
+            }
         }
     }
 
@@ -93,6 +97,7 @@ impl<'a> Hit<'a> {
         let weights = match geometry.surface(face).1 {
             MaterialBinding::Plain(_)
             | MaterialBinding::ByFace(_)
+            | MaterialBinding::Textured(_)
             | MaterialBinding::ByShape(_) => None,
             MaterialBinding::ByVertex(_) => geometry.shape().weights_at(ray, face),
         };

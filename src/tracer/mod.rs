@@ -19,6 +19,7 @@ pub(crate) mod ray;
 pub(crate) mod sampling;
 pub mod shape;
 pub(crate) mod srgb;
+pub(crate) mod texels;
 pub(crate) mod tone;
 pub(crate) mod transform;
 pub(crate) mod vector;

@@ -15,6 +15,7 @@ use crate::tracer::{
     },
     material::{
         Material,
+        glass::Glass,
         lobes::{LightOfMaterials, Lobes},
     },
     radiance::Radiance,
@@ -260,6 +261,16 @@ impl World {
             material
                 .glass()
                 .is_some_and(|glass| glass.roughness() > 0.0)
+        })
+    }
+
+    /// Returns true if there is glass that takes nothing away from light: white glass that does not bend it.
+    pub(crate) fn has_clear_glass(&self) -> bool {
+        let mut materials = self.geometries.iter().flat_map(Geometry::materials);
+        materials.any(|material| {
+            let is_clear =
+                |glass: &Glass| glass.ior() == 1.0 && glass.color().to_linear() == Radiance::WHITE;
+            material.glass().is_some_and(is_clear)
         })
     }
 

@@ -1,28 +1,31 @@
 //! The emitters that paths aim at, and the choice of one at a point.
 
-use std::{collections::HashMap, f64::consts::PI};
+use std::{collections::HashMap, f64::consts::PI, sync::Arc};
 
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::tracer::{
-    contact::Departure,
-    geometry::Geometry,
-    light::{
-        Light,
-        environment::Environment,
-        falloff::END,
-        source::{LightSize, Source},
+use crate::{
+    integrator::path::emitter_tree::{EmitterTree, PlacedEmitter},
+    tracer::{
+        contact::Departure,
+        geometry::Geometry,
+        light::{
+            Light,
+            environment::Environment,
+            falloff::{END, Falloff},
+            source::{LightSize, Source},
+        },
+        radiance::Radiance,
+        ray::Ray,
+        sampling::UnitPair,
+        shape::{
+            face::{FaceId, Leaving},
+            target::{AimedAt, ConeOfDirections, Target, to_ball},
+        },
+        vector::unit,
+        world::World,
     },
-    radiance::Radiance,
-    ray::Ray,
-    sampling::UnitPair,
-    shape::{
-        face::{FaceId, Leaving},
-        target::{AimedAt, ConeOfDirections, Target, on_ball, to_ball},
-    },
-    vector::unit,
-    world::World,
 };
 
 /// The number of emitters whose sums need no memory of their own.
@@ -31,19 +34,19 @@ const FEW: usize = 16;
 /// was aimed at: 2⁻²⁰.
 const NEAR: f64 = 1.0 / (1 << 20) as f64;
 
-/// The density of directions that are evenly distributed.
-const EVEN: f64 = 1.0 / (4.0 * PI);
-
 /// Everything that paths aim at: lights, in file order, then faces that shine.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Emitters {
     all: Vec<Emitter>,
+    /// The numbers of those that are not in the tree, in ascending order.
+    listed: Vec<usize>,
+    tree: Option<Arc<EmitterTree>>,
     /// The numbers of the emitters that faces are.
     faces: HashMap<FaceId, usize>,
 }
 
 /// Something that paths aim at.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Emitter {
     /// A light, which may have a size.
     Light(Light),
@@ -92,11 +95,18 @@ impl Emitters {
         });
         let mut emitters = Self {
             all: lights.map(Emitter::of_light).collect(),
-            faces: HashMap::new(),
+            ..Self::default()
         };
         for (index, geometry) in world.geometries().iter().enumerate() {
             emitters.add(world, index, geometry);
         }
+        let all = emitters.all.iter().enumerate();
+        let placed = all.filter_map(|(number, emitter)| emitter.placed(number));
+        emitters.tree = EmitterTree::new(placed.collect()).map(Arc::new);
+        let numbers = 0..emitters.all.len();
+        let tree = emitters.tree.as_ref();
+        let is_listed = |number: &usize| !tree.is_some_and(|tree| tree.has(*number));
+        emitters.listed = numbers.filter(is_listed).collect();
         emitters
     }
 
@@ -127,15 +137,20 @@ impl Emitters {
         });
     }
 
-    /// Returns the weights of all at a point and their sums in the order of the list.
+    /// Returns the weights at a point of all emitters that are listed, and that of the tree last, with their sums
+    /// in this order.
     fn weights(&self, point: DVec3) -> SmallVec<[[f64; 2]; FEW]> {
         let mut sum = 0.0;
-        let with_sum = |emitter: &Emitter| {
-            let weight = emitter.weight(point);
+        let listed = self
+            .listed
+            .iter()
+            .map(|number| self.all[*number].weight(point));
+        let tree = self.tree.iter().map(|tree| tree.weight(point));
+        let with_sum = |weight: f64| {
             sum += weight;
             [weight, sum]
         };
-        self.all.iter().map(with_sum).collect()
+        listed.chain(tree).map(with_sum).collect()
     }
 
     /// Chooses an emitter for a point by a number: it and its probability, which is in proportion to the
@@ -143,17 +158,37 @@ impl Emitters {
     pub(super) fn choose(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
         let weights = self.weights(point);
         let [_, sum] = *weights.last().filter(|[_, sum]| *sum > 0.0)?;
-        let place = weights.partition_point(|[_, before]| *before <= u * sum);
-        let [weight, _] = weights.get(place)?;
-        Some((place, weight / sum))
+        let at = u * sum;
+        let place = weights.partition_point(|[_, before]| *before <= at);
+        let [weight, until] = *weights.get(place)?;
+        if let Some(number) = self.listed.get(place) {
+            return Some((*number, weight / sum));
+        }
+        let u = (at - (until - weight)) / weight;
+        let (number, probability) = self.tree.as_ref()?.choose(point, u, self.of_one(point))?;
+        Some((number, weight / sum * probability))
+    }
+
+    /// Returns the weight of one emitter at a point.
+    fn of_one(&self, point: DVec3) -> impl Fn(usize) -> f64 + '_ {
+        move |number| self.all[number].weight(point)
     }
 
     /// Returns the probability of an emitter.
     pub(super) fn probability(&self, point: DVec3, number: usize) -> f64 {
+        let tree = self.tree.as_ref().filter(|tree| tree.has(number));
+        let place = match tree {
+            Some(_) => Some(self.listed.len()),
+            None => self.listed.binary_search(&number).ok(),
+        };
         let weights = self.weights(point);
-        match (weights.get(number), weights.last()) {
+        let of_list = match (place.and_then(|place| weights.get(place)), weights.last()) {
             (Some([weight, _]), Some([_, sum])) if *sum > 0.0 => weight / sum,
-            _ => 0.0,
+            _ => return 0.0,
+        };
+        match tree {
+            Some(tree) => of_list * tree.probability(point, number, self.of_one(point)),
+            None => of_list,
         }
     }
 
@@ -168,12 +203,12 @@ impl Emitters {
         match &self.all[number] {
             Emitter::Light(light) => aim_at_light(light, point, pair),
             Emitter::Environment(environment, _) => {
-                let l = on_ball(pair, DVec3::Z);
+                let (l, density) = environment.sample(pair);
                 Some(Aimed {
                     l,
                     light: environment.radiance(l),
                     shadow: Some((l, f64::INFINITY)),
-                    density: Some(EVEN),
+                    density: Some(density),
                     is_found: true,
                 })
             }
@@ -230,11 +265,11 @@ impl Emitters {
         }
     }
 
-    /// Returns the surroundings, and what paths know of them as an emitter.
-    pub(super) fn environment(&self) -> Option<(&Environment, usize, f64)> {
+    /// Returns the surroundings and their number.
+    pub(super) fn environment(&self) -> Option<(&Environment, usize)> {
         let mut all = self.all.iter().enumerate();
         all.find_map(|(number, emitter)| match emitter {
-            Emitter::Environment(environment, _) => Some((environment, number, EVEN)),
+            Emitter::Environment(environment, _) => Some((environment, number)),
             Emitter::Light(_) | Emitter::Faces { .. } => None,
         })
     }
@@ -346,9 +381,34 @@ fn aim_at_light(light: &Light, point: DVec3, pair: UnitPair) -> Option<Aimed> {
 impl Emitter {
     fn of_light(light: &Light) -> Self {
         match light {
-            Light::Environment(environment) => Self::Environment(*environment, environment.mean()),
-            other => Self::Light(*other),
+            Light::Environment(environment) => {
+                Self::Environment(environment.clone(), environment.mean())
+            }
+            other => Self::Light(other.clone()),
         }
+    }
+
+    /// Returns its place and its power for a tree, if its light weakens with the square of the distance.
+    fn placed(&self, number: usize) -> Option<PlacedEmitter> {
+        let (middle, power) = match self {
+            Self::Light(light) => match light.source() {
+                Source::Point {
+                    position,
+                    falloff: Falloff::InverseSquare,
+                    ..
+                } => (position, PI * light.glow().radiance().max_channel()),
+                _ => return None,
+            },
+            Self::Environment(..) => return None,
+            Self::Faces {
+                target, brightest, ..
+            } => (target.middle(), brightest * target.power()),
+        };
+        Some(PlacedEmitter {
+            number,
+            middle,
+            power,
+        })
     }
 
     /// Returns an estimate of the irradiance that it brings to a point, without shadows: its largest

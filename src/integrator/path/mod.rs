@@ -7,7 +7,9 @@
 //! This file is the definition, sample by sample. It asks the questions of
 //! [`direct`](crate::integrator::direct), and meets glass and contact as that does.
 
+mod emitter_tree;
 pub(crate) mod emitters;
+mod glass;
 pub(crate) mod sampler;
 #[cfg(test)]
 mod tests;
@@ -21,21 +23,20 @@ use self::{
     sampler::{Purpose, Sampler},
 };
 use crate::{
-    film::parts::LightParts,
+    film::{parts::LightParts, size::Size},
     integrator::{
         Integrate,
         direct::{Queries, Shaded},
         queue::{Lanes, Queue, Seen},
-        surface::{AtGlass, Path, Surface},
+        surface::{Path, Surface},
     },
     tracer::{
+        camera::Camera,
         color::Color,
         contact::{Crossed, Departure, Interface},
         light::{source::Source, transport::PathOptions},
         material::{
             bsdf::{Bsdf, Onto, Scattering},
-            glass::Glass,
-            microfacet::Microfacets,
             rough_glass::RoughGlass,
         },
         radiance::Radiance,
@@ -69,6 +70,8 @@ pub(crate) struct PathTracer<'a, Q> {
     headlight: Radiance,
     /// True if some glass stops shadow rays: solid glass unless these go through it, and rough glass.
     stops_at_glass: bool,
+    /// True if all light may get through some glass.
+    has_clear_glass: bool,
     is_transparent: bool,
 }
 
@@ -159,7 +162,7 @@ impl PathVertex<'_, '_> {
 impl<Q: Queries> Integrate for PathTracer<'_, Q> {
     /// Returns the mean of the samples of the pixel at the bottom left, whatever their place in it.
     fn trace(&self, ray: &Ray) -> Shaded {
-        let sampler = |sample| Sampler::new([0, 0], sample, self.seed());
+        let sampler = |sample| Sampler::new([0, 0], sample, self.options.seed);
         let samples = (0..self.samples()).map(|sample| self.sample(*ray, &sampler(sample)).light);
         let sum = samples.fold(Shaded::default(), |sum, sample| sum + sample);
         let count = f64::from(self.samples());
@@ -201,6 +204,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             emitters: Emitters::new(world).into(),
             ambient: sum(|source| matches!(source, Source::Everywhere)),
             headlight: sum(|source| matches!(source, Source::Viewer)),
+            has_clear_glass: world.has_clear_glass(),
             stops_at_glass: options.caustics && world.has_solid_glass() || world.has_rough_glass(),
             is_transparent,
         }
@@ -211,9 +215,16 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         self.options.samples()
     }
 
-    /// The seed of all samples.
-    pub(crate) const fn seed(&self) -> u32 {
-        self.options.seed
+    /// Returns a sample of a pixel, counted from the bottom left of a picture.
+    pub(crate) fn sample_of(
+        &self,
+        (camera, size): (&Camera, Size),
+        pixel: [u32; 2],
+        number: u32,
+    ) -> PathSample {
+        let sampler = Sampler::new(pixel, number, self.options.seed);
+        let ray = sampler.ray((camera, self.options.filter), size, pixel);
+        self.sample(ray, &sampler)
     }
 
     /// Returns a sample along a camera's ray.
@@ -301,15 +312,16 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     fn escape(&self, path: &Path, state: &mut PathState) {
         let beta = path.factor;
         self.add(state, path, beta * state.diffuse * self.ambient);
-        if let Some((environment, number, density)) = self.emitters.environment() {
+        if let Some((environment, number)) = self.emitters.environment() {
             // A transparent picture shows none of it behind everything.
             if path.depth == 0 && self.is_transparent {
                 return;
             }
             if path.depth > 0 || environment.is_visible() {
                 if !self.is_unseen(state) {
-                    let weight = self.weight(state, |_| Some((number, density)));
-                    let light = environment.radiance(unit(path.ray.direction()));
+                    let l = unit(path.ray.direction());
+                    let weight = self.weight(state, |_| Some((number, environment.density(l))));
+                    let light = environment.radiance(l);
                     self.add(state, path, beta * weight * light);
                 }
                 return;
@@ -528,35 +540,6 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         self.add_scattered(state, path, scattering.diffuse_share(), light);
     }
 
-    /// Returns how a path goes on at a rough surface between two media.
-    fn rough_glass(
-        &self,
-        surface: &Surface,
-        (interface, facets): (&Interface, Microfacets),
-        state: &mut PathState,
-        sampler: &Sampler,
-    ) -> Option<Path> {
-        let path = surface.path;
-        let material = surface.hit.material();
-        state.color.get_or_insert_with(|| material.color());
-        if self.is_exhausted(path, state) {
-            return None;
-        }
-        let frame = LocalFrame::new(surface.n);
-        let eta = interface.fresnel(surface.n.dot(surface.v)).eta;
-        let behind = (eta, interface.color());
-        let glass = RoughGlass::new(frame.inward(surface.v), facets, behind, interface.is_pane);
-        let vertex = PathVertex {
-            surface,
-            frame,
-            lobes: VertexLobes::Glass(glass),
-        };
-        self.shine(&vertex, state, sampler);
-        let [_, u] = sampler.at(path.depth, Purpose::Choice);
-        let l = glass.sample(u, sampler.at(path.depth, Purpose::Direction))?;
-        self.scatter(&vertex, l, state, sampler)
-    }
-
     /// Adds light that a surface scatters, of which its diffuse lobe scatters a part.
     fn add_scattered(
         &self,
@@ -608,88 +591,19 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     ) -> Radiance {
         let ray = Ray::new(surface.hit.point, direction);
         let light = self.queries.transmission(&ray, t_max, start);
-        let goes_through = light != Radiance::BLACK && light != Radiance::WHITE;
+        let goes_through =
+            light != Radiance::BLACK && (self.has_clear_glass || light != Radiance::WHITE);
         if goes_through && self.stops_at_glass {
             let (start, mut is_stopped) = (self.queries.known(start), false);
             self.world.each_in_the_way(&ray, t_max, &start, |passed| {
-                let FaceId { geometry, face } = passed.face;
-                let shape = self.world.geometries()[geometry].shape();
-                is_stopped |= self.options.caustics && !shape.is_pane(face);
-                let material = self.world.hit_on(&ray, passed.t, passed.face).material();
-                is_stopped |= material
-                    .glass()
-                    .is_some_and(|glass| glass.roughness() > 0.0);
+                is_stopped |= passed.glass.is_some_and(|glass| {
+                    self.options.caustics && !glass.is_pane || glass.facets().is_some()
+                });
             });
             if is_stopped {
                 return Radiance::BLACK;
             }
         }
         light
-    }
-
-    /// Returns how a path goes on through glass, or what meets it at its point.
-    fn glass(
-        &self,
-        surface: &Surface,
-        glass: Glass,
-        state: &mut PathState,
-        sampler: &Sampler,
-    ) -> Option<Path> {
-        let start = self.queries.known(self.start(surface));
-        match surface.at_glass(self.world, start, glass) {
-            AtGlass::Interface(surface, interface) => {
-                self.interface(&surface, &interface, state, sampler)
-            }
-            AtGlass::Opaque(surface) => self.surface(&surface, state, sampler),
-            AtGlass::Nothing(start) => Some(surface.straight(Radiance::WHITE, &start).path),
-        }
-    }
-
-    /// Returns how a path goes on at a surface between two media.
-    fn interface(
-        &self,
-        surface: &Surface,
-        interface: &Interface,
-        state: &mut PathState,
-        sampler: &Sampler,
-    ) -> Option<Path> {
-        let (path, color) = (surface.path, interface.color());
-        let start = self.start(surface);
-        if interface.is_joint() {
-            if self.options.caustics {
-                // No shadow ray gets through.
-                state.last = None;
-            }
-            return Some(surface.straight(color, start).path);
-        }
-        if let Some(facets) = interface.facets() {
-            return self.rough_glass(surface, (interface, facets), state, sampler);
-        }
-        let fresnel = interface.fresnel(surface.n.dot(surface.v));
-        let [_, u] = sampler.at(path.depth, Purpose::Choice);
-        let is_reflected = u < fresnel.reflected;
-        let is_straight = interface.is_pane && !is_reflected;
-        // The light of an emitter that is aimed at through a pane needs the half that is found by chance.
-        if self.is_exhausted(path, state) && !(is_straight && state.has_scattered) {
-            return None;
-        }
-        let (diffuse, last) = (state.diffuse, state.last);
-        self.sharpen(state, path);
-        if is_straight {
-            (state.diffuse, state.last) = (diffuse, last);
-            let direction = path.ray.direction();
-            return Some(
-                surface
-                    .onward(direction, color, start.through(direction))
-                    .path,
-            );
-        }
-        state.is_caustic |= state.has_scattered && !interface.is_pane;
-        if is_reflected {
-            return Some(self.onward(surface, surface.mirrored(), path.factor));
-        }
-        let through = start.through(path.ray.direction());
-        let onward = surface.onward(surface.refracted(&fresnel), color, through);
-        Some(onward.path)
     }
 }

@@ -7,7 +7,7 @@
 
 use crate::{
     film::size::Size,
-    tracer::{camera::Camera, ray::Ray, sampling::UnitPair},
+    tracer::{camera::Camera, light::transport::PixelFilter, ray::Ray, sampling::UnitPair},
 };
 
 /// The pairs of one sample of a pixel.
@@ -43,15 +43,16 @@ impl Sampler {
         Self { pixel, sample }
     }
 
-    /// Returns the place in the pixel.
-    pub(crate) fn place(&self) -> UnitPair {
-        self.pair(0)
-    }
-
-    /// Returns the camera's ray through that place, in a pixel counted from the bottom left.
-    pub(crate) fn ray(&self, camera: &Camera, size: Size, pixel: [u32; 2]) -> Ray {
-        let ([u, v], [x, y]) = (self.place(), pixel.map(f64::from));
-        camera.ray_for(size.width(), size.height(), x + u - 0.5, y + v - 0.5)
+    /// Returns the camera's ray in a pixel counted from the bottom left: from a place on the lens, through one
+    /// in the pixel.
+    pub(crate) fn ray(
+        &self,
+        (camera, filter): (&Camera, PixelFilter),
+        size: Size,
+        pixel: [u32; 2],
+    ) -> Ray {
+        let ([u, v], [x, y]) = (filter.place(self.pair(0)), pixel.map(f64::from));
+        camera.ray_from_lens((size.width(), size.height()), [x + u, y + v], self.pair(1))
     }
 
     /// Returns a pair of the vertex at a depth.
@@ -59,7 +60,7 @@ impl Sampler {
         self.pair(BEFORE + OF_VERTEX * depth + purpose as u32)
     }
 
-    fn pair(&self, number: u32) -> UnitPair {
+    pub(crate) fn pair(&self, number: u32) -> UnitPair {
         let key = mix(number.wrapping_add(self.pixel));
         let index = owen(self.sample, key);
         let first = owen(index.reverse_bits(), mix(key ^ 1));

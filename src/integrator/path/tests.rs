@@ -9,17 +9,19 @@ use crate::{
         geometry::Geometry,
         light::{
             Ambient, Directional, Environment, Falloff, Headlight, Light, Point, Sky,
+            picture::SkyPicture,
             transport::{PathOptions, Transport},
         },
         material::{Emissive, Glass, Material, Phong, Principled},
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
-        sampling::disc,
+        sampling::{LocalFrame, cosine_weighted, disc},
         shape::{
-            Shape, cylinder::Cylinder, disc::Disc, plane::Plane, rectangle::Rectangle,
-            sphere::Sphere,
+            Shape, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, plane::Plane,
+            rectangle::Rectangle, sphere::Sphere,
         },
+        texels::Texels,
         vector::unit,
         world::{Lighting, World},
     },
@@ -156,7 +158,7 @@ fn lights_without_size_are_those_of_direct_lighting() {
     };
     let mut random = Rng(8);
     for light in lights {
-        let direct = World::new(geometries(), half()).lit(Lighting::new(vec![light]));
+        let direct = World::new(geometries(), half()).lit(Lighting::new(vec![light.clone()]));
         let lighting = Lighting {
             max_depth: 1,
             transport: Transport::Path(options(2)),
@@ -371,7 +373,7 @@ fn furnace(material: impl Into<Material>) -> (f64, f64) {
         (options(1 << 16), 32),
     );
     mean_of(&world, |sampler| {
-        let [x, y] = disc(sampler.place());
+        let [x, y] = disc(sampler.pair(0));
         Ray::new(DVec3::new(x, y, 3.0), DVec3::NEG_Z)
     })
 }
@@ -411,7 +413,7 @@ fn principled_surfaces_scatter_the_same_under_direct_lighting() {
     let plastic = Principled::new(half(), 0.3, 0.4, 1.5).unwrap();
     let light = point(DVec3::new(1.0, 3.0, -2.0), 9.0);
     let world = World::new(vec![floor(plastic)], Color::BLACK);
-    let direct = world.clone().lit(Lighting::new(vec![light]));
+    let direct = world.clone().lit(Lighting::new(vec![light.clone()]));
     let paths = by_paths(vec![floor(plastic)], vec![light], (options(4), 1));
     let ray = down(0.3);
     let [one, other] = [&direct, &paths].map(|world| world.radiance(&ray).r());
@@ -433,14 +435,41 @@ fn surroundings_light_a_floor_and_are_seen() {
         let world = |light: Environment, geometries| {
             by_paths(geometries, vec![light.into()], (options(1 << 12), 8))
         };
-        let scene = world(light, vec![floor(half())]);
+        let scene = world(light.clone(), vec![floor(half())]);
         assert_mean(mean(&scene, &down(0.0)), expected);
         let up = Ray::new(DVec3::Y, DVec3::Y);
         assert!((mean(&scene, &up).0 - above).abs() < 1e-12);
-        assert_eq!(mean(&world(light.visible(false), vec![]), &up).0, 0.0);
+        assert_eq!(
+            mean(&world(light.clone().visible(false), vec![]), &up).0,
+            0.0
+        );
         let direct = scene.lit(Lighting::new(vec![light.into()]));
         assert_eq!(direct.radiance(&down(0.0)), Radiance::BLACK);
     }
+}
+
+#[test]
+fn a_picture_of_the_surroundings_lights_a_floor() {
+    // A few bright pixels, some of them above the horizon.
+    let mut light = vec![[0.1, 0.1, 0.1]; 8 * 6];
+    light[8 + 3] = [60.0, 30.0, 20.0];
+    light[2 * 8 + 7] = [7.0, 0.0, 0.0];
+    light[4 * 8] = [50.0, 50.0, 50.0];
+    let picture = SkyPicture::new(Texels::new(8, 6, light).unwrap()).unwrap();
+    let up = DVec3::new(0.2, 1.0, -0.3);
+    let environment = Environment::of_picture(&picture, up, 130.0, 0.5).unwrap();
+    let steps = 600;
+    let (mut expected, part) = (0.0, 1.0 / f64::from(steps));
+    for row in 0..steps {
+        for column in 0..steps {
+            let pair = [row, column].map(|step| (f64::from(step) + 0.5) * part);
+            let d = LocalFrame::new(DVec3::Y).outward(cosine_weighted(pair));
+            expected += 0.5 * environment.radiance(d).r() * part * part;
+        }
+    }
+    let lights = vec![environment.into()];
+    let world = by_paths(vec![floor(half())], lights, (options(1 << 14), 8));
+    assert_mean(mean(&world, &down(0.0)), expected);
 }
 
 // Light stays inside for long, so that a few paths end before.
@@ -501,4 +530,50 @@ fn rough_glass_scatters_what_is_aimed_at_as_what_is_found() {
             assert!(apart < 0.03, "{is_pane} {z} {aimed:?} {by_chance}");
         }
     }
+}
+
+/// Returns the mean light of a floor under a lamp with something between them, to 1 %.
+fn under_a_lamp(between: Vec<Geometry>, caustics: bool) -> f64 {
+    let lamp = Rectangle::new(DVec3::new(-1.0, 3.0, -1.0), 2.0 * DVec3::X, 2.0 * DVec3::Z);
+    let lamp = Geometry::new(lamp.unwrap(), Emissive::new(Color::WHITE, 4.0).unwrap());
+    let options = PathOptions {
+        caustics,
+        ..options(1 << 14)
+    };
+    let geometries = [floor(half()), lamp].into_iter().chain(between);
+    let world = by_paths(geometries.collect(), vec![], (options, 16));
+    let ray = Ray::new(DVec3::new(4.0, 0.4, 0.0), unit(DVec3::new(-4.0, -0.4, 0.1)));
+    mean(&world, &ray).0
+}
+
+fn block(ior: f64, roughness: f64) -> Geometry {
+    let glass = Glass::new(Color::WHITE, ior).unwrap();
+    let block = Cuboid::new(DVec3::new(-1.5, 1.0, -1.5), DVec3::new(1.5, 2.0, 1.5)).unwrap();
+    Geometry::new(block, glass.with_roughness(roughness).unwrap())
+}
+
+#[test]
+fn glass_that_does_not_bend_light_changes_nothing() {
+    for caustics in [true, false] {
+        let free = under_a_lamp(vec![], caustics);
+        for roughness in [0.0, 0.4] {
+            let found = under_a_lamp(vec![block(1.0, roughness)], caustics);
+            assert!(
+                (found / free - 1.0).abs() < 0.02,
+                "{caustics} {roughness}: {found} {free}"
+            );
+        }
+    }
+}
+
+#[test]
+fn panes_on_a_block_of_glass_are_in_it_in_any_order() {
+    let pane = |y: f64| {
+        let disc = Disc::new(DVec3::new(0.0, y, 0.0), DVec3::Y, 5.0).unwrap();
+        Geometry::new(disc, Glass::new(Color::WHITE, 1.5).unwrap())
+    };
+    let block = || block(1.5, 0.0);
+    let last = under_a_lamp(vec![block(), pane(1.0), pane(2.0)], true);
+    let first = under_a_lamp(vec![pane(1.0), pane(2.0), block()], true);
+    assert!((first / last - 1.0).abs() < 1e-12, "{first} {last}");
 }

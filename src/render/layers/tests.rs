@@ -67,7 +67,7 @@ fn each(case: &Case, mut of: impl FnMut(u32, u32)) {
 fn numbers_are_those_of_the_plain_definition() {
     let isas = Isa::all();
     let (mut hits, mut blends) = (0, 0);
-    for seed in 0..cases(200) as u64 {
+    for seed in 0..cases(400) as u64 {
         let mut random = Rng(seed.wrapping_mul(0x1f35_79bd) | 1);
         let case = Case::new(&mut random);
         let isa = isas[random.below(isas.len())];

@@ -5,7 +5,7 @@ use crate::{
     film::{Wanted, colors::NOTHING},
     integrator::{
         direct::{Queries, Shaded},
-        path::{PathTracer, sampler::Sampler},
+        path::PathTracer,
     },
     render::outlines::{RowLines, WhichNeighbor},
     tracer::{radiance::Radiance, shape::face::FaceId},
@@ -54,9 +54,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             if sample % UNASKED == 0 && work.cancel.is_cancelled() {
                 return None;
             }
-            let sampler = Sampler::new(pixel, sample, paths.seed());
-            let ray = sampler.ray(shading.camera, shading.size, pixel);
-            let traced = paths.sample(ray, &sampler);
+            let traced = paths.sample_of((shading.camera, shading.size), pixel, sample);
             sum = sum + traced.light;
             sums.hits[place] += u32::from(traced.first.is_some());
             if let Some(color) = traced.color.filter(|_| work.wanted == Wanted::Parts) {

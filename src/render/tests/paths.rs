@@ -10,8 +10,9 @@ use crate::{
     render::tests::{Case, LitPixel, same},
     simd::isa::Isa,
     tracer::{
+        camera::Camera,
         color::Color,
-        light::transport::{PathOptions, Transport},
+        light::transport::{PathOptions, PixelFilter, Transport},
         radiance::Radiance,
         random::{Rng, cases},
         world::Lighting,
@@ -26,7 +27,12 @@ fn by_paths(case: &mut Case, random: &mut Rng) {
         caustics: random.below(2) == 0,
         clamp: random.one(&[None, Some(0.5)]),
         seed: random.below(1000) as u32,
+        filter: random.one(&[PixelFilter::Box, PixelFilter::Gaussian(0.7)]),
     };
+    if let Camera::Perspective(camera) = case.camera {
+        let aperture = random.one(&[0.0, 0.4]);
+        case.camera = camera.with_lens(aperture, 5.0).unwrap().into();
+    }
     let lighting = Lighting {
         max_depth: random.one(&[0, 1, 4, 9]) as u32,
         transport: Transport::Path(options),
@@ -46,9 +52,11 @@ fn plain(case: &Case, [column, row]: [u32; 2]) -> LitPixel {
     let (mut sum, mut albedo, mut hits) = (Shaded::default(), Radiance::BLACK, 0.0);
     for sample in 0..options.samples {
         let sampler = Sampler::new([column, y], sample, options.seed);
-        let [u, v] = sampler.place();
-        let (x, y) = (f64::from(column) + u - 0.5, f64::from(y) + v - 0.5);
-        let ray = case.camera.ray_for(width, height, x, y);
+        let [right, up] = options.filter.place(sampler.pair(0));
+        let place = [f64::from(column) + right, f64::from(y) + up];
+        let ray = case
+            .camera
+            .ray_from_lens((width, height), place, sampler.pair(1));
         let traced = paths.sample(ray, &sampler);
         sum = sum + traced.light;
         albedo = albedo + traced.color.map_or(Radiance::BLACK, Color::to_linear);

@@ -45,7 +45,11 @@ impl OrbitModel {
             return;
         };
         let around = DVec3::from(self.around);
-        for field in camera.fields() {
+        let vectors = camera
+            .fields()
+            .iter()
+            .filter(|field| field.kind.is_vector());
+        for field in vectors {
             if let Some(Slot::Vector(vector)) = camera.slot(field.name) {
                 let place = DVec3::from(*vector);
                 *vector = match field.kind {

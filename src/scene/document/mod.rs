@@ -400,7 +400,8 @@ impl Document {
     pub(crate) fn forget_tables(&mut self) {
         let model = self.checked.model.iter_mut();
         let model = model.filter(|_| !self.checked.needs.files.is_empty());
-        let forgotten: usize = model.map(Model::forget_meshes).sum();
+        let forget = |model: &mut Model| model.forget_meshes() + model.forget_pictures();
+        let forgotten: usize = model.map(forget).sum();
         let tables = &mut self.checked.tables;
         tables.take_if(|tables| forgotten > 0 || !tables.is_empty());
     }

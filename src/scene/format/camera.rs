@@ -83,6 +83,9 @@ mod tests {
             look_at,
             up: None,
             fov: 90.0,
+            aperture: None,
+            focus: None,
+            focus_at: None,
         })
     }
 

@@ -58,6 +58,11 @@ impl ColorModel {
     }
 }
 
+/// Builds a color; white, if it is not given.
+pub(crate) fn or_white(color: Option<&ColorModel>) -> Color {
+    color.map_or(Color::WHITE, ColorModel::build)
+}
+
 impl Serialize for ColorModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {

@@ -11,9 +11,10 @@ use crate::{
         thing::Type,
     },
     tracer::{
+        camera::lens::LARGEST as LARGEST_LENS,
         light::{
             source::{BRIGHTEST, LARGEST, WIDEST},
-            transport::PathOptions,
+            transport::{PathOptions, PixelFilter},
         },
         material::{glass::INDICES, microfacet::LEAST_ROUGHNESS, phong::SHARPEST},
     },
@@ -79,6 +80,10 @@ kinds! {
     Intensity: Number in Range::Within(0.0, BRIGHTEST),
     /// The radius of a light.
     LightRadius: Number in Range::Within(0.0, LARGEST),
+    /// The diameter of a lens.
+    Aperture: Number in Range::Within(0.0, LARGEST_LENS),
+    /// The distance at which a lens is sharp.
+    FocalDistance: Number in Range::AboveUpTo(0, LARGEST_LENS),
     /// The angle of the disc of a light in degrees.
     LightAngle: Number in Range::Within(0.0, WIDEST),
     /// A part of a whole, in 0..=1.
@@ -93,6 +98,8 @@ kinds! {
     Stops: Number in Range::Within(-64.0, 64.0),
     /// The largest light of a path after its first vertex.
     Limit: Number in Range::AboveUpTo(0, PathOptions::MAX_CLAMP),
+    /// The standard deviation of a filter in pixels.
+    FilterWidth: Number in Range::AboveUpTo(0, PixelFilter::WIDEST),
     /// The width of a line in pixels.
     Width: Number in Range::AboveUpTo(0, 100.0),
     /// A number of at least 0.

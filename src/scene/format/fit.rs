@@ -50,6 +50,9 @@ object! {
     pub struct PerspectiveProjectionModel = "Perspective" {
         /// The full vertical angle of view in degrees, above 0 and below 180.
         fov ! alpha ! angle ! half_angle: Angle,
+        /// The diameter of the lens in units of the scene, 0 to 1e12, where light follows paths: the middle of
+        /// what is framed is sharp. 0 is the default: all is sharp.
+        aperture ! lens_radius ! f_stop: Aperture = 0.0,
     }
 }
 
@@ -80,7 +83,7 @@ impl FitModel {
     pub(crate) fn explicit(
         &self,
         size: (u32, u32),
-        search: impl FnMut(&[DVec3]) -> Extremes,
+        mut search: impl FnMut(&[DVec3]) -> Extremes,
     ) -> Result<CameraModel, GeometryError> {
         let from = DVec3::from(self.from());
         let frame = Frame {
@@ -93,14 +96,19 @@ impl FitModel {
         let gaze = Some(Triple::from(DVec3::ZERO - from));
         let (look_at, up) = (None, self.up);
         Ok(match self.projection() {
-            ProjectionModel::Perspective(PerspectiveProjectionModel { fov }) => {
-                let eye = frame.perspective_eye(half_angle_of(fov), search)?.into();
+            ProjectionModel::Perspective(PerspectiveProjectionModel { fov, aperture }) => {
+                let eye = frame.perspective_eye(half_angle_of(fov), &mut search)?;
+                let focus = aperture.filter(|aperture| *aperture > 0.0);
+                let focus = focus.map(|_| frame.middle_from(eye, search)).transpose()?;
                 CameraModel::Perspective(PerspectiveModel {
-                    eye,
+                    eye: eye.into(),
                     gaze,
                     look_at,
                     up,
                     fov,
+                    aperture,
+                    focus,
+                    focus_at: None,
                 })
             }
             ProjectionModel::Orthographic(_) => {
@@ -120,6 +128,9 @@ impl FitModel {
 
 impl Default for ProjectionModel {
     fn default() -> Self {
-        Self::Perspective(PerspectiveProjectionModel { fov: 35.0 })
+        Self::Perspective(PerspectiveProjectionModel {
+            fov: 35.0,
+            aperture: None,
+        })
     }
 }

@@ -3,7 +3,7 @@
 use crate::{
     scene::format::{object::object, variants::variants},
     tracer::{
-        light::transport::{PathOptions, Transport},
+        light::transport::{PathOptions, PixelFilter, Transport},
         world::Lighting,
     },
 };
@@ -71,6 +71,42 @@ object! {
         clamp: Limit?,
         /// The seed of the samples, 0 to 4294967295; 0 is the default.
         seed: Natural { u32::MAX } = 0,
+        /// Where in a pixel, or around it, its paths begin; `Box()` is the default.
+        filter: Thing(FilterModel)?,
+    }
+}
+
+variants! {
+    /// Where the paths of a pixel begin.
+    pub enum FilterModel = "Filter" {
+        /// Evenly over the pixel.
+        Box(BoxFilterModel),
+        /// Around the center of the pixel, by a normal distribution: smoother edges, and a softer picture.
+        Gaussian(GaussianFilterModel),
+    }
+}
+
+object! {
+    /// Evenly over the pixel.
+    #[derive(Default)]
+    pub struct BoxFilterModel = "Box" {}
+}
+
+object! {
+    /// Around the center of the pixel, by a normal distribution: smoother edges, and a softer picture.
+    #[derive(Default)]
+    pub struct GaussianFilterModel = "Gaussian" {
+        /// The standard deviation in pixels, above 0 and at most 4; 0.5 is the default.
+        sigma: FilterWidth = 0.5,
+    }
+}
+
+impl FilterModel {
+    fn build(&self) -> PixelFilter {
+        match self {
+            Self::Box(_) => PixelFilter::Box,
+            Self::Gaussian(gaussian) => PixelFilter::Gaussian(gaussian.sigma()),
+        }
     }
 }
 
@@ -82,6 +118,10 @@ impl PathModel {
             caustics: self.caustics(),
             clamp: self.clamp,
             seed: self.seed(),
+            filter: self
+                .filter
+                .as_ref()
+                .map_or(PixelFilter::Box, FilterModel::build),
         }
     }
 }

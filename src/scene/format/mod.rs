@@ -23,8 +23,10 @@ pub(crate) mod object;
 pub(crate) mod orthographic;
 pub(crate) mod outlines;
 pub(crate) mod perspective;
+pub(crate) mod picture;
 pub(crate) mod scene;
 pub(crate) mod sight;
+pub(crate) mod texture;
 pub(crate) mod thing;
 pub(crate) mod transform;
 pub(crate) mod variants;
@@ -41,12 +43,20 @@ pub use crate::scene::format::{
     field::Name,
     fit::{FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel},
     image::{ImageModel, ToneMappingModel},
-    lighting::{DirectModel, LightingModel, PathModel},
+    lighting::{
+        BoxFilterModel, DirectModel, FilterModel, GaussianFilterModel, LightingModel, PathModel,
+    },
     map::Map,
     orthographic::OrthographicModel,
     outlines::OutlinesModel,
     perspective::PerspectiveModel,
+    picture::SkyFileModel,
     scene::Model as SceneModel,
+    texture::{
+        CheckerModel, ImageTextureModel, MappingModel, NaturalMappingModel, PlanarMappingModel,
+        SphericalMappingModel, TexelInterpolationModel, TexelWrapModel, TextureFileModel,
+        TextureModel,
+    },
     transform::{MatrixModel, RotateModel, TransformModel},
     warning::WarningName,
 };

@@ -40,14 +40,14 @@ macro_rules! docs {
 macro_rules! object {
     (
         $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }
-        $(one of $one:ident, $other:ident)?
+        $(one of $one:ident $(, $other:ident)+)?
         $(at most one of $some:ident, $else:ident)?
         $(any of $any:ident, $all:ident)?
         $(not $solid:ident)?
     ) => {
         $crate::scene::format::object::object! {
             @fields [$([$($meta)*])*] $model $name [
-                $(One $one $other,)? $(AtMostOne $some $else,)? $(Any $any $all,)?
+                $(One [$one $($other)+],)? $(AtMostOne [$some $else],)? $(Any [$any $all],)?
                 ; $($solid)?
             ] [] $($fields)*
         }
@@ -89,7 +89,7 @@ macro_rules! object {
     };
 
     (@fields [$([$($meta:tt)*])*] $model:ident $name:literal
-        [$($needs:ident $one:ident $another:ident,)*; $($solid:ident)?]
+        [$($needs:ident [$($one:ident)+],)*; $($solid:ident)?]
         [$({
             [$([$($attribute:tt)*])*]
             $field:ident [$($rename:literal)?] [$($other:ident)*; $($unlike:ident)*] $given:ident $kind:ident $of:tt $type:tt
@@ -112,7 +112,7 @@ macro_rules! object {
             impl $model {
                 /// Fields that are given in place of each other.
                 const SETS: &'static [thing::Set] = &[$(thing::Set {
-                    fields: [stringify!($one), stringify!($another)],
+                    fields: &[$(stringify!($one)),+],
                     needs: thing::Needs::$needs,
                 }),*];
 
@@ -148,8 +148,8 @@ macro_rules! object {
                     Self::FIELDS
                 }
 
-                fn sets(&self) -> Vec<(&'static thing::Set, [bool; 2])> {
-                    let given = [$([self.$one.is_some(), self.$another.is_some()]),*];
+                fn sets(&self) -> Vec<(&'static thing::Set, Vec<bool>)> {
+                    let given: [Vec<bool>; Self::SETS.len()] = [$(vec![$(self.$one.is_some()),+]),*];
                     Self::SETS.iter().zip(given).collect()
                 }
 

@@ -8,6 +8,7 @@ use crate::{
     tracer::{
         camera::{
             Camera,
+            lens::distance_to,
             perspective::{PerspectiveCamera, half_angle_of},
         },
         error::GeometryError,
@@ -28,13 +29,35 @@ object! {
         /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
         /// equation.
         fov ! alpha ! angle ! half_angle: Angle,
-    } one of gaze, look_at
+        /// The diameter of the lens in units of the scene, 0 to 1e12, where light follows paths: the larger it
+        /// is, the more is blurred what does not lie where it is sharp. 0 is the default: all is sharp.
+        aperture ! lens_radius ! f_stop: Aperture = 0.0,
+        /// The distance along the line of sight at which the picture is sharp, above 0 and at most 1e12; that of
+        /// `look_at` is the default. Give at most one of this and `focus_at`.
+        focus | focus_distance | focal_distance: FocalDistance?,
+        /// A point on the plane that is sharp.
+        focus_at | focal_point: Point?,
+    } one of gaze, look_at at most one of focus, focus_at
 }
 
 impl PerspectiveModel {
     /// The camera with these directions.
     pub(crate) fn build(&self, sight: &Sight) -> Result<Camera, GeometryError> {
         let half_angle = half_angle_of(self.fov);
-        Ok(PerspectiveCamera::new(sight.eye, sight.gaze, sight.up, half_angle)?.into())
+        let camera = PerspectiveCamera::new(sight.eye, sight.gaze, sight.up, half_angle)?;
+        let aperture = self.aperture();
+        Ok(match aperture > 0.0 {
+            true => camera.with_lens(aperture, self.focal_distance(sight))?,
+            false => camera,
+        }
+        .into())
+    }
+
+    /// Returns the distance at which the picture is sharp.
+    pub(crate) fn focal_distance(&self, sight: &Sight) -> f64 {
+        self.focus.unwrap_or_else(|| match self.focus_at {
+            Some(point) => distance_to(point.into(), sight.eye, sight.gaze),
+            None => sight.gaze.length(),
+        })
     }
 }

@@ -184,22 +184,19 @@ pub(crate) struct Object {
     pub(crate) is_solid: bool,
 }
 
-/// Two fields that are given in place of each other.
+/// Fields that are given in place of each other.
 #[derive(Debug)]
 pub(crate) struct Set {
-    pub(crate) fields: [&'static str; 2],
+    pub(crate) fields: &'static [&'static str],
     pub(crate) needs: Needs,
 }
 
 impl Set {
     /// Returns the field that stands in place of another one.
     pub(crate) fn instead_of(&self, field: &str) -> Option<&'static str> {
-        match self.fields {
-            _ if self.needs == Needs::Any => None,
-            [one, other] if field == one => Some(other),
-            [one, other] if field == other => Some(one),
-            _ => None,
-        }
+        let is_replaced = self.needs != Needs::Any && self.fields.contains(&field);
+        let mut others = self.fields.iter().filter(|other| **other != field);
+        others.next().copied().filter(|_| is_replaced)
     }
 }
 
@@ -287,7 +284,7 @@ pub(crate) trait Thing {
     }
 
     /// Returns the fields that are given in place of each other; true for those that are given.
-    fn sets(&self) -> Vec<(&'static Set, [bool; 2])> {
+    fn sets(&self) -> Vec<(&'static Set, Vec<bool>)> {
         self.inner().map_or_else(Vec::new, |inner| inner.sets())
     }
 

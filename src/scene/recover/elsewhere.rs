@@ -141,8 +141,12 @@ const ABSENT: &[(&str, &str)] = &[
         "this shape is not supported; export it as a PLY, OBJ or STL file and use `Mesh(file: …)`",
     ),
     (
-        "texture textures pigment finish map normal_map bump bump_map uv image_map checker",
-        "textures are not supported; give a `color`, a `material`, or colors of vertices in a mesh file",
+        "textures pigment finish uv image_map checker",
+        "a texture is part of a material: `Matte(texture: Checker())`, or `Image(file: …)` in place of `Checker()`",
+    ),
+    (
+        "normal_map bump bump_map",
+        "only colors have textures; remove it",
     ),
     (
         "gltf glb fbx usd collada dae blend 3ds",
@@ -159,12 +163,16 @@ const ABSENT: &[(&str, &str)] = &[
     ),
     (
         "skybox sky_sphere environment environment_map envmap hdri fog media volume atmosphere",
-        "the surroundings are one color, `background`, or the light `Environment` under `lighting: Path()`; pictures and \
-         fog are not supported",
+        "the surroundings are one color, `background`, or the light `Environment`, of a color, a sky or a picture, under \
+         `lighting: Path()`; fog is not supported",
     ),
     (
-        "aperture focal_point focus_distance focal_blur dof lens_radius shutter motion_blur",
-        "depth of field and motion blur are not supported; remove it",
+        "focal_blur dof depth_of_field",
+        "depth of field is `aperture` of a `Perspective` camera, under `lighting: Path()`",
+    ),
+    (
+        "shutter motion_blur",
+        "motion blur is not supported; remove it",
     ),
     (
         "near far near_clip far_clip clip_start clip_end",

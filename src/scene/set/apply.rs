@@ -406,7 +406,8 @@ mod tests {
             assert_eq!(
                 camera.projection(),
                 Some(&ProjectionModel::Perspective(PerspectiveProjectionModel {
-                    fov: 60.0
+                    fov: 60.0,
+                    aperture: None,
                 }))
             );
         }

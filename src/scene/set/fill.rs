@@ -68,12 +68,12 @@ impl Follow for Fill<'_> {
         if rest.is_empty() && self.value.removes && thing.remove(&part.step) {
             return Ok(());
         }
-        let is_replaced = |(set, given): &(&Set, [bool; 2])| {
+        let is_replaced = |(set, given): &(&Set, Vec<bool>)| {
             let at = set
                 .fields
                 .iter()
                 .position(|field| part.name() == Some(field));
-            set.needs != Needs::Any && at.is_some_and(|at| !given[at] && given[1 - at])
+            set.needs != Needs::Any && at.is_some_and(|at| !given[at] && given.contains(&true))
         };
         if !rest.is_empty() && thing.sets().iter().any(is_replaced) {
             return Err(vec![self.not_given(self.path.len())]);

@@ -26,7 +26,10 @@ use crate::{
                 AmbientLightModel, DirectionalLightModel, EnvironmentLightModel, FalloffModel,
                 HeadlightLightModel, LightModel, PointLightModel, SkyModel, SpotLightModel,
             },
-            lighting::{DirectModel, LightingModel, PathModel},
+            lighting::{
+                BoxFilterModel, DirectModel, FilterModel, GaussianFilterModel, LightingModel,
+                PathModel,
+            },
             map::Map,
             material::{
                 EmissiveModel, FlatModel, GlassModel, MaterialModel, MatteModel, MetalModel,
@@ -37,6 +40,11 @@ use crate::{
             outlines::OutlinesModel,
             perspective::PerspectiveModel,
             scene::Model,
+            texture::{
+                CheckerModel, ImageTextureModel, MappingModel, NaturalMappingModel,
+                PlanarMappingModel, SphericalMappingModel, TexelInterpolationModel, TexelWrapModel,
+                TextureModel,
+            },
             transform::{MatrixModel, RotateModel, TransformModel},
             warning::WarningName,
         },
@@ -182,48 +190,87 @@ impl Rng {
     fn material(&mut self) -> MaterialModel {
         match self.below(8) {
             0 => MaterialModel::Matte(MatteModel {
-                color: self.color(),
+                color: self.maybe(Self::color),
+                texture: self.maybe(Self::texture),
             }),
             6 => match self.below(3) {
                 0 => MaterialModel::Metal(MetalModel {
-                    color: self.color(),
+                    color: self.maybe(Self::color),
+                    texture: self.maybe(Self::texture),
                     roughness: self.maybe(Self::number),
                 }),
                 1 => MaterialModel::Plastic(PlasticModel {
-                    color: self.color(),
+                    color: self.maybe(Self::color),
+                    texture: self.maybe(Self::texture),
                     roughness: self.maybe(Self::number),
                     ior: self.maybe(Self::number),
                 }),
                 _ => MaterialModel::Principled(PrincipledModel {
-                    color: self.color(),
+                    color: self.maybe(Self::color),
+                    texture: self.maybe(Self::texture),
                     metallic: self.maybe(Self::number),
                     roughness: self.maybe(Self::number),
                     ior: self.maybe(Self::number),
                 }),
             },
             1 => MaterialModel::Phong(PhongModel {
-                diffuse: self.color(),
+                diffuse: self.maybe(Self::color),
+                texture: self.maybe(Self::texture),
                 specular: self.maybe(Self::color),
                 exponent: self.maybe(Self::number),
                 reflection: self.maybe(Self::color),
             }),
             2 => MaterialModel::Mirror(MirrorModel {
                 color: self.maybe(Self::color),
+                texture: self.maybe(Self::texture),
             }),
             3 => MaterialModel::Glass(GlassModel {
                 color: self.maybe(Self::color),
+                texture: self.maybe(Self::texture),
                 roughness: self.maybe(Self::number),
                 ior: self.maybe(Self::number),
             }),
             4 => MaterialModel::Flat(FlatModel {
-                color: self.color(),
+                color: self.maybe(Self::color),
+                texture: self.maybe(Self::texture),
             }),
             5 => MaterialModel::Emissive(EmissiveModel {
-                color: self.color(),
+                color: self.maybe(Self::color),
+                texture: self.maybe(Self::texture),
                 intensity: self.maybe(Self::number),
             }),
             _ => MaterialModel::Named(NamedModel(*self.name())),
         }
+    }
+
+    fn texture(&mut self) -> Box<TextureModel> {
+        let mapping = self.maybe(|rng| match rng.below(3) {
+            0 => MappingModel::Natural(NaturalMappingModel {}),
+            1 => MappingModel::Planar(PlanarMappingModel {
+                origin: rng.triple(),
+                u: rng.triple(),
+                v: rng.triple(),
+            }),
+            _ => MappingModel::Spherical(SphericalMappingModel {
+                center: rng.triple(),
+                up: rng.maybe(Self::triple),
+                front: rng.maybe(Self::triple),
+            }),
+        });
+        Box::new(match self.below(2) {
+            0 => TextureModel::Checker(CheckerModel {
+                even: self.maybe(Self::color),
+                odd: self.maybe(Self::color),
+                size: self.maybe(Self::number),
+                mapping,
+            }),
+            _ => TextureModel::Image(ImageTextureModel {
+                file: "wood 1.png".into(),
+                interpolation: self.maybe(|_| TexelInterpolationModel::Nearest),
+                wrap: self.maybe(|_| TexelWrapModel::Clamp),
+                mapping,
+            }),
+        })
     }
 
     fn transform(&mut self) -> TransformModel {
@@ -267,6 +314,8 @@ impl Rng {
                     horizon: rng.color(),
                     ground: rng.color(),
                 }),
+                image: self.maybe(|_| "a/sky 1.hdr".into()),
+                rotation: self.maybe(Self::number),
                 up: self.maybe(Self::triple),
                 visible: self.maybe(is),
                 color,
@@ -308,7 +357,10 @@ impl Rng {
 
     fn model(&mut self) -> Model {
         let projection = |rng: &mut Self| match rng.below(2) {
-            0 => ProjectionModel::Perspective(PerspectiveProjectionModel { fov: rng.number() }),
+            0 => ProjectionModel::Perspective(PerspectiveProjectionModel {
+                fov: rng.number(),
+                aperture: rng.maybe(Self::number),
+            }),
             _ => ProjectionModel::Orthographic(OrthographicProjectionModel {}),
         };
         let camera = |rng: &mut Self| match rng.below(3) {
@@ -324,6 +376,9 @@ impl Rng {
                 look_at: rng.maybe(Self::triple),
                 up: rng.maybe(Self::triple),
                 fov: rng.number(),
+                aperture: rng.maybe(Self::number),
+                focus: rng.maybe(Self::number),
+                focus_at: rng.maybe(Self::triple),
             }),
             _ => CameraModel::Orthographic(OrthographicModel {
                 eye: rng.triple(),
@@ -564,6 +619,12 @@ impl Rng {
                         caustics: rng.maybe(|rng| rng.below(2) == 0),
                         clamp: rng.maybe(Self::number),
                         seed: rng.maybe(Self::side),
+                        filter: rng.maybe(|rng| match rng.below(2) {
+                            0 => FilterModel::Box(BoxFilterModel {}),
+                            _ => FilterModel::Gaussian(GaussianFilterModel {
+                                sigma: rng.maybe(Self::number),
+                            }),
+                        }),
                     }),
                 }
             }),

@@ -6,13 +6,22 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{
-            camera::CameraModel, fit::ProjectionModel, scene::Model, sight::Sight, thing::Thing,
+            camera::CameraModel, fit::ProjectionModel, perspective::PerspectiveModel, scene::Model,
+            sight::Sight, thing::Thing,
         },
         framing::Framing,
         problem::{Focus, Problem},
-        validate::{found::Found, names},
+        validate::{
+            found::Found,
+            material::{WITHOUT_PATHS, both},
+            names,
+        },
     },
-    tracer::{camera::basis::are_parallel, error::GeometryError, vector::is_direction},
+    tracer::{
+        camera::{basis::are_parallel, lens::LARGEST},
+        error::GeometryError,
+        vector::is_direction,
+    },
 };
 
 /// The eye of a perspective camera.
@@ -118,6 +127,72 @@ impl Found {
         }
         if one && is_direction(sight.gaze) && is_direction(sight.up) {
             self.parallel_vectors(&sight, &path);
+        }
+        if !self.follows_paths {
+            self.no_lens(camera, &path);
+        }
+        if let CameraModel::Perspective(camera) = camera {
+            self.focus(camera, &sight, &path);
+        }
+    }
+
+    /// Warns about a lens where light does not follow paths.
+    fn no_lens(&mut self, camera: &CameraModel, path: &Path) {
+        let (fields, path) = match camera {
+            CameraModel::Perspective(PerspectiveModel {
+                aperture,
+                focus,
+                focus_at,
+                ..
+            }) => {
+                let fields = [
+                    ("aperture", aperture.is_some()),
+                    ("focus", focus.is_some()),
+                    ("focus_at", focus_at.is_some()),
+                ];
+                (fields.to_vec(), path.clone())
+            }
+            _ => match camera.projection() {
+                Some(ProjectionModel::Perspective(projection)) => {
+                    let fields = [("aperture", projection.aperture.is_some())];
+                    (fields.to_vec(), path.field("projection"))
+                }
+                _ => return,
+            },
+        };
+        for (name, _) in fields.into_iter().filter(|(_, is_given)| *is_given) {
+            self.no_effect(path.field(name), WITHOUT_PATHS);
+        }
+    }
+
+    /// Checks where a camera is sharp.
+    fn focus(&mut self, camera: &PerspectiveModel, sight: &Sight, path: &Path) {
+        match (camera.focus, camera.focus_at) {
+            (Some(_), Some(_)) => {
+                let help = "`focus` is a distance, `focus_at` a point; leave one of them out";
+                self.push(both(Code::OneOf, path, ["focus", "focus_at"]).help(help));
+            }
+            (None, Some(_)) => {
+                let distance = camera.focal_distance(sight);
+                if distance.is_finite() && !(distance > 0.0 && distance <= LARGEST) {
+                    let message = match distance > 0.0 {
+                        true => "`focus_at` is too far away from the eye",
+                        false => "`focus_at` is not in front of the eye",
+                    };
+                    let place = path.field("focus_at");
+                    let problem = Problem::of_value(Code::OutOfRange, place, message);
+                    self.push(problem.help("give a point that the camera looks at"));
+                }
+            }
+            (None, None) if camera.look_at.is_none() && camera.aperture() > 0.0 => {
+                let message = "neither `focus` nor `focus_at` is given, expected one of them";
+                let place = path.field("aperture");
+                let problem = Problem::new(Code::OneOf, place, Focus::Key, message);
+                self.push(problem.help(
+                    "add `focus`, the distance at which the picture is sharp, or `focus_at`, a point",
+                ));
+            }
+            _ => {}
         }
     }
 

@@ -1,5 +1,7 @@
 //! Checks of lights.
 
+use std::mem;
+
 use glam::DVec3;
 
 use super::{camera::Eye, eye::is_glass};
@@ -16,7 +18,7 @@ use crate::{
         },
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{found::Found, material::WITHOUT_PATHS},
+        validate::{found::Found, lamps::any_material, material::WITHOUT_PATHS},
     },
     tracer::{
         geometry::Geometry,
@@ -33,13 +35,15 @@ const DIM_BY_DEFAULT: f64 = 1.0 / 16.0;
 
 impl Found {
     /// Checks the fields of the lights, and their names.
-    pub(super) fn lights(&mut self, model: &Model) {
+    pub(super) fn lights(&mut self, model: &Model, tables: &Tables) {
         let lights = model.lights.iter().flatten();
         let mut named = Vec::new();
-        let mut first = None;
+        let mut has_surroundings = false;
         for (index, light) in lights.enumerate() {
             self.light(light, index);
-            if matches!(light, LightModel::Environment(_)) && first.replace(index).is_some() {
+            if matches!(light, LightModel::Environment(_))
+                && mem::replace(&mut has_surroundings, true)
+            {
                 let message = "a scene has at most one `Environment`";
                 let problem =
                     Problem::new(Code::DuplicateField, path_of(index), Focus::Name, message);
@@ -48,6 +52,17 @@ impl Found {
             named.extend(light.name().map(|name| (index, name)));
         }
         self.extend(super::names::of(named, path_of));
+        for (at, lights) in tables.lights_of_parts() {
+            let of_part = lights
+                .iter()
+                .filter(|(_, light)| light.source() == Source::Surroundings);
+            if of_part.count() > 0 && mem::replace(&mut has_surroundings, true) {
+                let message = "the part has a second `Environment`, a scene has at most one";
+                let path = model.path_of(at).field("lights");
+                let problem = Problem::new(Code::DuplicateField, path, Focus::Key, message);
+                self.push(problem.help("leave `lights` out, or remove the other one"));
+            }
+        }
     }
 
     /// Checks the fields of a light.
@@ -66,8 +81,8 @@ impl Found {
         }
         let helps = match light {
             LightModel::Environment(_) => [
-                "the light has one color or a sky; leave one of them out",
-                "add `color`, such as \"#fff\", or `sky`",
+                "the light has one color, a sky or a picture; leave the others out",
+                "add `color`, such as \"#fff\", `sky` or `image`",
             ],
             _ => [
                 "`direction` is a direction, `look_at` a point; leave one of them out",
@@ -86,14 +101,7 @@ impl Found {
             is_seen && light.glow().radiance().max_channel() > 0.0
         };
         let mut of_parts = tables.lights().flatten();
-        let parts = tables.contents().filter_map(|(_, content)| content.part());
-        let mut in_parts = parts.flat_map(|part| &part.geometries);
-        if of_parts.any(|(_, light)| is_bright(light))
-            || in_parts.any(|geometry| {
-                let mut materials = geometry.materials();
-                materials.any(|material| material.lobes().emission.is_some())
-            })
-        {
+        if of_parts.any(|(_, light)| is_bright(light)) {
             return;
         }
         let shines = |(index, light): (usize, &LightModel)| {
@@ -101,13 +109,9 @@ impl Found {
             let light = light.build();
             changes || light.is_ok_and(|light| is_bright(&light))
         };
-        let materials = model.materials.as_ref();
-        let mut geometries = model.walk();
         if lights.iter().enumerate().any(shines)
-            || geometries.any(|(_, geometry)| {
-                let material = geometry.surface().material;
-                let material = material.and_then(|material| material.resolve(materials));
-                material.is_some_and(|material| material.emits())
+            || any_material(model, tables, |material| {
+                material.lobes().emission.is_some()
             })
         {
             return;

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use glam::DVec3;
+
 use super::solid::is_covered;
 use crate::{
     diagnostic::{Code, path::Path},
@@ -10,15 +12,18 @@ use crate::{
             color_by::{ColorByModel, ColormapModel},
             geometry::{GeometryModel, ordinal::Ordinal},
             image::ImageModel,
+            lighting::LightingModel,
             material::MaterialModel,
             scene::Model,
+            texture::{MappingModel, TextureModel},
             thing::{Needs, Set, Thing},
         },
         problem::{Focus, Problem},
         unknown,
         validate::found::Found,
     },
-    text::nearest::quote,
+    text::nearest::{list, quote},
+    tracer::{camera::basis::are_parallel, vector::is_direction},
 };
 
 impl Found {
@@ -63,6 +68,13 @@ impl Found {
                     self.unknown_name(name, model, path);
                 }
                 self.material(material, path);
+                let resolved = material.resolve(model.materials.as_ref());
+                if let Some(texture) = resolved.and_then(|material| material.texture()) {
+                    match is_part {
+                        true => self.no_effect(path(), OF_SOLID),
+                        false => self.shown_texture(geometry, texture, path()),
+                    }
+                }
             }
             (None, None) => {
                 self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins)
@@ -98,11 +110,65 @@ impl Found {
     fn material(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
         material.each(|field, value| self.field(field, value, &path));
         let described = material.described().ok();
+        let sets = material.sets().into_iter();
+        for (set, are_given) in sets.filter(|(set, _)| set.needs == Needs::Any) {
+            if let [color, ..] = set.fields
+                && !are_given.contains(&true)
+                && !self.tally.only_counts(Code::MissingField)
+            {
+                let message = format!("missing field `{color}`");
+                self.push(Problem::new(
+                    Code::MissingField,
+                    path(),
+                    Focus::Name,
+                    message,
+                ));
+            }
+        }
+        if let Some(texture) = described.and_then(|material| material.texture()) {
+            self.texture(texture, || path().field("texture"));
+        }
         if let Some([field, why]) = described.and_then(|material| material.moot_field()) {
             self.no_effect(path().field(field), why);
         }
         if !self.is_lit {
             self.no_effect_without_lights(material, &path);
+        }
+    }
+
+    /// Checks the fields of a texture.
+    fn texture(&mut self, texture: &TextureModel, path: impl Fn() -> Path) {
+        texture.each(|field, value| self.field(field, value, &path));
+        let Some(mapping) = texture.mapping() else {
+            return;
+        };
+        let path = || path().field("mapping");
+        mapping.each(|field, value| self.field(field, value, path));
+        if let MappingModel::Spherical(spherical) = mapping {
+            let [up, front] = [spherical.up(), spherical.front()].map(DVec3::from);
+            if is_direction(up) && is_direction(front) && are_parallel(front, up) {
+                let message = "`front` is parallel to `up`";
+                let place = path().field("front");
+                let problem = Problem::of_value(Code::ParallelVectors, place, message);
+                self.push(problem.help("give a direction beside the pole"));
+            }
+        }
+    }
+
+    /// Reports a texture that a geometry does not show.
+    fn shown_texture(&mut self, geometry: &GeometryModel, texture: &TextureModel, path: Path) {
+        if geometry.operation().is_some() {
+            self.no_effect(path, OF_SOLID);
+        } else if let GeometryModel::Mesh(mesh) = geometry {
+            if mesh.color_by.is_some() {
+                self.no_effect(path, "the colors of `color_by` replace the texture");
+            } else if texture.is_natural() && !self.tally.only_counts(Code::MissingUv) {
+                let message = "the mesh has no texture coordinates";
+                let problem = Problem::new(Code::MissingUv, path, Focus::Value, message);
+                self.push(problem.help(
+                    "give the texture a `mapping`: `Planar(origin: …, u: …, v: …)` or `Spherical(center: …)`",
+                ));
+            }
         }
     }
 
@@ -135,6 +201,12 @@ impl Found {
     /// Warns about fields of a scene without lights that only matter in a lit one.
     pub(super) fn unlit_fields(&mut self, model: &Model) {
         if self.is_lit {
+            let image = model.image.as_ref();
+            let is_given = image.is_some_and(|image| image.samples.is_some());
+            let is_known = matches!(model.lighting, Some(LightingModel::Path(_)));
+            if is_given && is_known && model.outlines.is_none() {
+                self.no_effect(Path::ROOT.field("image").field("samples"), OWN_SAMPLES);
+            }
             return;
         }
         if model.lighting.is_some() {
@@ -175,10 +247,16 @@ impl Found {
 /// Why the size of a light has no effect.
 pub(super) const WITHOUT_PATHS: &str = "only light that follows paths shows it";
 
+/// Why the texture of a solid has no effect.
+const OF_SOLID: &str = "solids of several parts show no texture";
+
+/// Why the samples of an image have no effect.
+const OWN_SAMPLES: &str = "the paths of a pixel are `samples` of `lighting: Path()`";
+
 const WITHOUT_LIGHTS: &str = "the scene has no `lights`";
 
 impl Found {
-    /// Requires one of the fields that are given in place of each other, and not both; returns true if
+    /// Requires one of the first fields that are given in place of each other, and not both; returns true if
     /// so. The helps are for both and for none.
     pub(super) fn one_of(
         &mut self,
@@ -187,18 +265,24 @@ impl Found {
         path: &Path,
         [leave_out, add]: [&str; 2],
     ) -> bool {
-        let sets = thing.sets().into_iter();
-        let mut sets = sets.filter(|(set, _)| set.needs != Needs::Any);
-        let wrong = sets.find(|(_, [first, other])| first == other);
-        let Some((Set { fields, .. }, [are_given, _])) = wrong else {
+        let mut sets = thing.sets().into_iter();
+        let set = sets.find(|(set, _)| set.needs != Needs::Any);
+        let Some((Set { fields, .. }, are_given)) = set else {
             return true;
         };
-        self.push(match are_given {
-            true => both(code, path, *fields).help(leave_out),
-            false => {
-                let [first, other] = fields;
-                let message =
-                    format!("neither `{first}` nor `{other}` is given, expected one of them");
+        let mut given = fields
+            .iter()
+            .zip(are_given)
+            .filter(|(_, is_given)| *is_given);
+        self.push(match (given.next(), given.next()) {
+            (Some(_), None) => return true,
+            (Some((one, _)), Some((other, _))) => both(code, path, [one, other]).help(leave_out),
+            (None, _) => {
+                let none = match fields {
+                    [first, other] => format!("neither `{first}` nor `{other}`"),
+                    all => format!("none of {}", list(all)),
+                };
+                let message = format!("{none} is given, expected one of them");
                 Problem::new(code, path.clone(), Focus::Name, message).help(add)
             }
         });

@@ -9,6 +9,7 @@ mod field;
 mod found;
 mod geometry;
 mod inward;
+mod lamps;
 mod light;
 mod material;
 mod names;
@@ -29,7 +30,7 @@ use crate::{
         format::{
             geometry::{GeometryModel, ordinal::Ordinal, placement::Placement},
             image::ImageModel,
-            lighting::LightingModel,
+            lighting::{LightingModel, PathModel},
             scene::Model,
             thing::Thing,
             warning::WarningName,
@@ -82,7 +83,7 @@ pub(crate) fn problems(
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
-    found.lights(model);
+    found.lights(model, tables);
     found.materials(model);
     found.unlit_fields(model);
     if let Some(outlines) = &model.outlines {
@@ -92,6 +93,14 @@ pub(crate) fn problems(
     if let Some(lighting) = &model.lighting {
         let path = || Path::ROOT.field("lighting");
         lighting.each(|field, value| found.field(field, value, path));
+        if let LightingModel::Path(PathModel {
+            filter: Some(filter),
+            ..
+        }) = lighting
+        {
+            let path = || path().field("filter");
+            filter.each(|field, value| found.field(field, value, path));
+        }
     }
     // Visibility is checked in the first frame; the places are those of the file.
     let frames = Frames::of(model);
@@ -178,6 +187,12 @@ pub(crate) fn problems(
     found.prototypes(copies, model);
     if !is_part {
         found.unlit(world, tables, frames.as_ref());
+        if found.follows_paths && found.is_lit {
+            found.lost_caustic(world, tables);
+            if aspects.levels.severity(Code::NotAimed).is_some() {
+                found.not_aimed(world, tables);
+            }
+        }
         found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);
         found.empty_scene(model, tables);
     }

@@ -222,6 +222,17 @@ impl Frame {
         [width, height].map(|side| f64::from(side) * (1.0 - 2.0 * self.margin))
     }
 
+    /// Returns the distance from the eye of the middle of what is framed, along the line of sight.
+    pub(crate) fn middle_from(
+        &self,
+        eye: DVec3,
+        mut search: impl FnMut(&[DVec3]) -> Extremes,
+    ) -> Result<f64, GeometryError> {
+        let w = self.basis()?.w;
+        let [near, far] = search(&[w, -w]).points()?;
+        Ok((eye - near.midpoint(far)).dot(w))
+    }
+
     /// Returns the eye of a perspective camera with the half angle α in radians. `search` finds the
     /// extremes of all shapes in some directions; it is called about five times.
     ///

@@ -6,6 +6,7 @@
 
 pub(crate) mod basis;
 pub(crate) mod fit;
+pub(crate) mod lens;
 pub(crate) mod matrices;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;
@@ -16,6 +17,7 @@ use glam::DVec3;
 use crate::tracer::{
     camera::{basis::Basis, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
     ray::Ray,
+    sampling::UnitPair,
 };
 
 /// A camera, which turns a pixel into the ray through its center.
@@ -40,6 +42,23 @@ impl Camera {
         match self {
             Self::Perspective(camera) => camera.ray_for(width, height, x, y),
             Self::Orthographic(camera) => camera.ray_for(width, height, x, y),
+        }
+    }
+
+    /// Returns a ray of a path through a point of the picture, which starts at a point of the lens.
+    pub(crate) fn ray_from_lens(
+        &self,
+        (width, height): (u32, u32),
+        [x, y]: [f64; 2],
+        pair: UnitPair,
+    ) -> Ray {
+        let ray = self.ray_for(width, height, x, y);
+        match self {
+            Self::Perspective(camera) => match &camera.lens {
+                Some(lens) => lens.ray(&camera.basis, &ray, pair),
+                None => ray,
+            },
+            Self::Orthographic(_) => ray,
         }
     }
 

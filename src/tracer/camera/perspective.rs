@@ -4,9 +4,14 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray, vector::unit};
+use crate::tracer::{
+    camera::{basis::Basis, lens::ThinLens},
+    error::GeometryError,
+    ray::Ray,
+    vector::unit,
+};
 
-/// A pinhole camera: all rays start at the eye.
+/// A pinhole camera: all rays start at the eye, or, where light follows paths, on its lens.
 ///
 /// Its angle is the half angle α between the center of the picture and its upper edge, in radians;
 /// the field of view of a scene file is 2α, in degrees.
@@ -16,6 +21,7 @@ pub struct PerspectiveCamera {
     half_angle: f64,
     /// tan α, needed for every ray.
     tangent: f64,
+    pub(super) lens: Option<ThinLens>,
 }
 
 impl PerspectiveCamera {
@@ -34,17 +40,36 @@ impl PerspectiveCamera {
             basis: Basis::new(eye, gaze, up)?,
             half_angle,
             tangent: libm::tan(half_angle),
+            lens: None,
         })
     }
 
+    /// Gives the camera a thin lens, which it has where light follows paths: what lies at the distance `focus`
+    /// along the line of sight is sharp. `aperture` is its diameter; both are in units of the scene.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if `aperture` lies outside of 0..=1e12, or if `focus` is not above 0 and at most 1e12.
+    pub fn with_lens(self, aperture: f64, focus: f64) -> Result<Self, GeometryError> {
+        let lens = ThinLens::new(aperture, focus)?;
+        let lens = (aperture > 0.0).then_some(lens);
+        Ok(Self { lens, ..self })
+    }
+
+    /// The diameter of the lens and the distance at which it is sharp, unless the diameter is 0.
+    pub fn lens(&self) -> Option<[f64; 2]> {
+        self.lens.map(|lens| [lens.aperture(), lens.focus()])
+    }
+
     /// Returns every field, for callers that must not miss one.
-    pub(crate) const fn parts(&self) -> (Basis, f64) {
+    pub(crate) const fn parts(&self) -> (Basis, f64, Option<ThinLens>) {
         let Self {
             basis,
             half_angle,
             tangent: _,
+            lens,
         } = *self;
-        (basis, half_angle)
+        (basis, half_angle, lens)
     }
 
     /// The half angle α, in radians.

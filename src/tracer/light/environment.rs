@@ -1,24 +1,40 @@
 //! Light from the surroundings.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use crate::tracer::{
     color::Color,
     error::GeometryError,
-    light::source::{Glow, LightSize, Source},
+    light::{
+        picture::{SkyPicture, SkyView},
+        source::{Glow, LightSize, Source},
+    },
     radiance::Radiance,
+    sampling::UnitPair,
+    shape::target::on_ball,
     transform::Transform,
     vector::{direction, finite, unit},
 };
 
 /// Light that comes from all directions, where light follows paths: of one color, or of a sky. A ray that
 /// hits nothing shows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     pub(super) glow: Glow,
-    sky: Option<Sky>,
+    shine: Shine,
     up: DVec3,
     is_visible: bool,
+}
+
+/// What the surroundings look like.
+#[derive(Clone, Debug, PartialEq)]
+enum Shine {
+    /// The same in all directions.
+    Even,
+    Sky(Sky),
+    Picture(SkyView),
 }
 
 /// The colors of a sky: above, at the horizon and below. In between, they blend in linear light with the
@@ -36,6 +52,9 @@ pub struct Sky {
 /// The number of heights above the horizon, and below it, over which the light of a sky is averaged.
 const HEIGHTS: u32 = 64;
 
+/// The density of directions that are evenly distributed.
+const EVEN: f64 = 1.0 / (4.0 * PI);
+
 impl Environment {
     /// Creates light of one color.
     ///
@@ -45,7 +64,7 @@ impl Environment {
     pub fn new(color: Color, intensity: f64) -> Result<Self, GeometryError> {
         Ok(Self {
             glow: Glow::new(color, intensity)?,
-            sky: None,
+            shine: Shine::Even,
             up: DVec3::Y,
             is_visible: true,
         })
@@ -58,15 +77,40 @@ impl Environment {
     /// Returns an error if the intensity lies outside of 0..=1e12, or if `up` has no direction.
     pub fn of_sky(sky: Sky, up: DVec3, intensity: f64) -> Result<Self, GeometryError> {
         Ok(Self {
-            sky: Some(sky),
+            shine: Shine::Sky(sky),
             up: unit(direction(finite(up, "up")?, "up")?),
+            ..Self::new(Color::WHITE, intensity)?
+        })
+    }
+
+    /// Creates the light of a picture of all directions: the zenith, in the direction `up`, is its first row, and
+    /// its middle lies in the direction -z, turned about the zenith by `rotation`, in degrees, counterclockwise
+    /// as seen from there.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the intensity lies outside of 0..=1e12, if `up` has no
+    /// direction, or if `rotation` is not finite.
+    pub fn of_picture(
+        picture: &SkyPicture,
+        up: DVec3,
+        rotation: f64,
+        intensity: f64,
+    ) -> Result<Self, GeometryError> {
+        let up = unit(direction(finite(up, "up")?, "up")?);
+        if !rotation.is_finite() {
+            return Err(GeometryError::NotFinite { name: "rotation" });
+        }
+        Ok(Self {
+            shine: Shine::Picture(SkyView::new(picture.clone(), up, rotation)),
+            up,
             ..Self::new(Color::WHITE, intensity)?
         })
     }
 
     /// Sets whether the camera's rays show it: otherwise they show the background.
     #[must_use]
-    pub const fn visible(self, is_visible: bool) -> Self {
+    pub fn visible(self, is_visible: bool) -> Self {
         Self { is_visible, ..self }
     }
 
@@ -77,26 +121,48 @@ impl Environment {
 
     /// The colors, if it is a sky.
     pub const fn sky(&self) -> Option<Sky> {
-        self.sky
+        match self.shine {
+            Shine::Sky(sky) => Some(sky),
+            Shine::Even | Shine::Picture(_) => None,
+        }
     }
 
     /// Returns the light from the direction of a unit vector.
     pub(crate) fn radiance(&self, d: DVec3) -> Radiance {
-        match self.sky {
-            None => self.glow.radiance(),
-            Some(sky) => sky.light(d.dot(self.up)) * self.glow.intensity(),
+        match &self.shine {
+            Shine::Even => self.glow.radiance(),
+            Shine::Sky(sky) => sky.light(d.dot(self.up)) * self.glow.intensity(),
+            Shine::Picture(picture) => picture.radiance(d) * self.glow.intensity(),
         }
     }
 
     /// Returns the mean of the largest channel over all directions.
     pub(crate) fn mean(&self) -> f64 {
-        let Some(sky) = self.sky else {
-            return self.glow.radiance().max_channel();
+        let sky = match &self.shine {
+            Shine::Even => return self.glow.radiance().max_channel(),
+            Shine::Sky(sky) => sky,
+            Shine::Picture(picture) => return picture.mean() * self.glow.intensity(),
         };
         let middles = (0..HEIGHTS).map(|place| (f64::from(place) + 0.5) / f64::from(HEIGHTS));
         let both = middles.flat_map(|height| [height, -height]);
         let sum = both.fold(0.0, |sum, height| sum + sky.light(height).max_channel());
         sum / f64::from(2 * HEIGHTS) * self.glow.intensity()
+    }
+
+    /// Returns a direction to aim at, and its density.
+    pub(crate) fn sample(&self, pair: UnitPair) -> (DVec3, f64) {
+        match &self.shine {
+            Shine::Even | Shine::Sky(_) => (on_ball(pair, DVec3::Z), EVEN),
+            Shine::Picture(picture) => picture.sample(pair),
+        }
+    }
+
+    /// Returns the density of a direction that is aimed at.
+    pub(crate) fn density(&self, d: DVec3) -> f64 {
+        match &self.shine {
+            Shine::Even | Shine::Sky(_) => EVEN,
+            Shine::Picture(picture) => picture.density(d),
+        }
     }
 
     pub(super) const fn shadows(&self) -> bool {
@@ -105,10 +171,14 @@ impl Environment {
 
     pub(super) fn placed(&self, transform: &Transform) -> Result<Self, GeometryError> {
         let up = transform.direction(self.up);
-        Ok(Self {
-            up: unit(direction(finite(up, "up")?, "up")?),
-            ..*self
-        })
+        let up = unit(direction(finite(up, "up")?, "up")?);
+        let shine = match &self.shine {
+            Shine::Picture(picture) => {
+                Shine::Picture(picture.placed(up, |vector| transform.direction(vector)))
+            }
+            other => other.clone(),
+        };
+        Ok(Self { up, shine, ..*self })
     }
 
     pub(super) const fn source(&self) -> Source {
@@ -120,12 +190,17 @@ impl Environment {
     }
 
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
-        let colors = self.sky.map(|sky| [sky.zenith, sky.horizon, sky.ground]);
+        let colors = self.sky().map(|sky| [sky.zenith, sky.horizon, sky.ground]);
         let channels = colors.into_iter().flatten();
         let channels = channels.flat_map(|color| [color.r(), color.g(), color.b()]);
+        let of_picture = match &self.shine {
+            Shine::Even | Shine::Sky(_) => None,
+            Shine::Picture(picture) => Some(picture.numbers()),
+        };
         let [x, y, z] = self.up.to_array();
         let is_visible = f64::from(u8::from(self.is_visible));
-        [is_visible, x, y, z].into_iter().chain(channels)
+        let all = [is_visible, x, y, z].into_iter().chain(channels);
+        all.chain(of_picture.into_iter().flatten())
     }
 }
 

@@ -11,6 +11,7 @@ pub(crate) mod directional;
 pub(crate) mod environment;
 pub(crate) mod falloff;
 pub(crate) mod headlight;
+pub(crate) mod picture;
 pub(crate) mod point;
 pub(crate) mod source;
 pub(crate) mod spot;
@@ -22,10 +23,13 @@ pub use self::{
     environment::{Environment, Sky},
     falloff::Falloff,
     headlight::Headlight,
+    picture::SkyPicture,
     point::Point,
     spot::{Cone, Spot},
-    transport::{PathOptions, Transport},
+    transport::{PathOptions, PixelFilter, Transport},
 };
+
+pub use crate::tracer::texels::{TexelWrap, Texels};
 
 use glam::DVec3;
 
@@ -44,7 +48,7 @@ use crate::tracer::{
 macro_rules! lights {
     ($($(#[$doc:meta])* $light:ident = $name:literal,)*) => {
         /// A light.
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum Light {
             $($(#[$doc])* $light($light)),*

@@ -1,5 +1,7 @@
 //! How the light of lights goes on from surface to surface.
 
+use crate::tracer::sampling::{UnitPair, circle};
+
 /// How the light of a world goes on from surface to surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Transport {
@@ -26,6 +28,36 @@ pub struct PathOptions {
     pub clamp: Option<f64>,
     /// The seed of the numbers of all paths.
     pub seed: u32,
+    /// Where in a pixel, or around it, its paths begin.
+    pub filter: PixelFilter,
+}
+
+/// Where the paths of a pixel begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum PixelFilter {
+    /// Evenly over the pixel.
+    #[default]
+    Box,
+    /// Around its center, by a normal distribution of this standard deviation in pixels, above 0 and at most
+    /// [`PixelFilter::WIDEST`].
+    Gaussian(f64),
+}
+
+impl PixelFilter {
+    /// The largest standard deviation.
+    pub const WIDEST: f64 = 4.0;
+
+    /// Returns the place of a path relative to the center of the pixel.
+    pub(crate) fn place(self, [u, v]: UnitPair) -> [f64; 2] {
+        match self {
+            Self::Box => [u - 0.5, v - 0.5],
+            // G. Box and M. Muller, A note on the generation of random normal deviates, 1958.
+            Self::Gaussian(sigma) => {
+                let radius = sigma * (-2.0 * libm::log(u)).sqrt();
+                circle(v).map(|part| radius * part)
+            }
+        }
+    }
 }
 
 impl PathOptions {
@@ -51,6 +83,43 @@ impl Default for PathOptions {
             caustics: true,
             clamp: None,
             seed: 0,
+            filter: PixelFilter::Box,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_have_the_deviation_of_their_filter() {
+        let side = 400;
+        let middle = |place: i32| (f64::from(place) + 0.5) / f64::from(side);
+        for (filter, expected) in [
+            (PixelFilter::Box, 1.0 / 12.0),
+            (PixelFilter::Gaussian(0.5), 0.25),
+            (PixelFilter::Gaussian(2.0), 4.0),
+        ] {
+            let (mut sums, mut squares) = ([0.0; 2], [0.0; 2]);
+            for column in 0..side {
+                for row in 0..side {
+                    let place = filter.place([middle(column), middle(row)]);
+                    for axis in 0..2 {
+                        sums[axis] += place[axis];
+                        squares[axis] += place[axis] * place[axis];
+                    }
+                }
+            }
+            let count = f64::from(side * side);
+            for axis in 0..2 {
+                assert!((sums[axis] / count).abs() < 1e-12, "{filter:?}");
+                let variance = squares[axis] / count;
+                assert!(
+                    (variance / expected - 1.0).abs() < 2e-3,
+                    "{filter:?} {variance}"
+                );
+            }
         }
     }
 }

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use crate::tracer::{
-    color::Color, colormap::scale::ColorScale, material::Material, radiance::Radiance,
+    color::Color,
+    colormap::scale::ColorScale,
+    material::{Material, texture::Textured},
+    radiance::Radiance,
     vector::weighted,
 };
 
@@ -16,6 +19,8 @@ pub(crate) enum MaterialBinding {
     ByFace(Arc<ByFace>),
     /// One whose first color depends on the triangle of a mesh, or its vertices.
     ByVertex(Arc<ByVertex>),
+    /// One whose first color depends on the point.
+    Textured(Arc<Textured>),
     /// One binding for each shape that copies are of.
     ByShape(Arc<ByShape>),
 }
@@ -204,7 +209,7 @@ impl MaterialBinding {
     pub(crate) fn of_shape(&self, index: usize) -> &Self {
         match self {
             Self::ByShape(all) => all.bindings.get(index).unwrap_or(self),
-            Self::Plain(_) | Self::ByFace(_) | Self::ByVertex(_) => self,
+            Self::Plain(_) | Self::ByFace(_) | Self::ByVertex(_) | Self::Textured(_) => self,
         }
     }
 
@@ -216,6 +221,7 @@ impl MaterialBinding {
             Self::Plain(material) => material,
             Self::ByFace(materials) => &materials.others,
             Self::ByVertex(materials) => &materials.first,
+            Self::Textured(textured) => textured.material(),
             Self::ByShape(all) => match &*all.bindings {
                 [first, ..] => first.main(),
                 [] => &Material::Matte(Color::BLACK),
@@ -228,7 +234,7 @@ impl MaterialBinding {
     pub(crate) const fn plain(&self) -> Option<&Material> {
         match self {
             Self::Plain(material) => Some(material),
-            Self::ByFace(_) | Self::ByVertex(_) | Self::ByShape(_) => None,
+            Self::ByFace(_) | Self::ByVertex(_) | Self::Textured(_) | Self::ByShape(_) => None,
         }
     }
 
@@ -236,16 +242,16 @@ impl MaterialBinding {
     #[inline]
     pub(crate) fn vertices(&self) -> Option<&VertexColors> {
         match self {
-            Self::Plain(_) | Self::ByFace(_) | Self::ByShape(_) => None,
+            Self::Plain(_) | Self::ByFace(_) | Self::Textured(_) | Self::ByShape(_) => None,
             Self::ByVertex(materials) => Some(materials.vertices()),
         }
     }
 
     /// Returns all materials, that of all other faces last; some may be equal. Colors that depend on
-    /// vertices are left out, except for the first.
+    /// vertices are left out, except for the first, and so are textures.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Material> {
         let (first, last) = match self {
-            Self::Plain(_) | Self::ByVertex(_) => (&[][..], Some(self.main())),
+            Self::Plain(_) | Self::ByVertex(_) | Self::Textured(_) => (&[][..], Some(self.main())),
             Self::ByFace(materials) => (&*materials.faces, Some(self.main())),
             Self::ByShape(all) => (&*all.materials, None),
         };

@@ -16,6 +16,7 @@ pub(crate) mod parameters;
 pub(crate) mod phong;
 pub(crate) mod principled;
 pub(crate) mod rough_glass;
+pub(crate) mod texture;
 
 pub use self::{
     binding::{Corners, Interpolation},
@@ -23,6 +24,7 @@ pub use self::{
     glass::Glass,
     phong::Phong,
     principled::Principled,
+    texture::{Checkerboard, ImageTexture, Texture, TextureMapping},
 };
 
 use std::sync::Arc;

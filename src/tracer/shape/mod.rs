@@ -30,6 +30,7 @@ pub(crate) mod target;
 mod tests;
 pub(crate) mod torus;
 pub(crate) mod triangle;
+pub(crate) mod uv;
 pub(crate) mod working;
 
 pub use self::{

@@ -243,6 +243,22 @@ impl Placer {
         }
     }
 
+    /// Returns the product of the transforms, if there are any.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if it cannot be inverted.
+    pub(crate) fn transform(&self) -> Result<Option<Arc<Transform>>, GeometryError> {
+        let mut levels = self.levels.iter().rev().map(|level| &level.transform);
+        let Some(innermost) = levels.next() else {
+            return Ok(None);
+        };
+        let product = levels.try_fold(Arc::clone(innermost), |inner, level| {
+            level.times(&inner).map(Arc::new)
+        });
+        product.map(Some)
+    }
+
     /// Places a shape by the innermost transform first: their product is `A·(B·C)`.
     ///
     /// # Errors

@@ -191,6 +191,14 @@ impl Target {
         }
     }
 
+    /// Returns the irradiance from light 1 of the face at a distance of 1, as if it were small and seen head-on.
+    pub(crate) fn power(&self) -> f64 {
+        match self {
+            Self::Ball { radius, .. } => PI * (radius * radius),
+            Self::Flat(_) | Self::Side { .. } | Self::Capsule { .. } => self.area(),
+        }
+    }
+
     fn area(&self) -> f64 {
         match *self {
             Self::Ball { radius, .. } => 4.0 * PI * (radius * radius),

@@ -46,6 +46,8 @@ pub use self::{
 
 use glam::DVec3;
 
+use std::sync::Arc;
+
 use crate::{
     scene::{
         format::{
@@ -55,7 +57,7 @@ use crate::{
                 inside::Inside,
                 kind::{Coat, CopiesModel, GeometryKind, SeveralWords, TableModel},
             },
-            material::{Materials, Surface},
+            material::{MaterialModel, Materials, Surface},
             thing::Thing,
             transform::TransformModel,
             variants::variants,
@@ -134,11 +136,15 @@ impl GeometryModel {
         of_each!(self, geometry => geometry.surface())
     }
 
+    /// Returns its own material, for a change.
+    pub(crate) fn material_mut(&mut self) -> Option<&mut Arc<MaterialModel>> {
+        of_each!(self, geometry => geometry.material_mut())
+    }
+
     /// Shares the material of another geometry if the two are equal: a million geometries hold one.
     #[inline]
     pub(crate) fn share_material(&mut self, other: &Self) {
-        let own = of_each!(self, geometry => geometry.material_mut());
-        if let Some((own, other)) = own.zip(other.surface().material)
+        if let Some((own, other)) = self.material_mut().zip(other.surface().material)
             && own == other
         {
             own.clone_from(other);
@@ -203,13 +209,34 @@ impl GeometryModel {
         }
         if let Self::Mesh(mesh) = self {
             let material = || materials.build(self.surface());
+            let texture = self.surface().material;
+            let texture = || texture.map_or(Ok(None), |material| materials.texture(material));
             let shape = mesh.shape()?;
-            return Some(shape.and_then(|shape| Ok(mesh.build(shape, material()?))));
+            return Some(shape.and_then(|shape| {
+                let built = mesh.build(shape, material()?);
+                Ok(match texture()? {
+                    Some((texture, mapping)) if mesh.vertex_colors().is_none() => {
+                        built.textured(texture, mapping)
+                    }
+                    _ => built,
+                })
+            }));
         }
         let material = match materials.build(self.surface()) {
             Ok(material) => material,
             Err(error) => return Some(Err(error)),
         };
+        let texture = self.surface().material;
+        let texture = texture.map_or(Ok(None), |material| materials.texture(material));
+        if !matches!(texture, Ok(None)) {
+            return Some(self.any_shape()?.and_then(|shape| {
+                let geometry = Geometry::new(shape, material);
+                Ok(match texture? {
+                    Some((texture, mapping)) => geometry.textured(texture, mapping),
+                    None => geometry,
+                })
+            }));
+        }
         // For each kind apart: to move a shape would take as long as to build it.
         of_each!(self, geometry => {
             Some(geometry.shape()?.map(|shape| Geometry::new(shape, material)))

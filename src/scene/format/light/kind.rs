@@ -34,7 +34,7 @@ macro_rules! light {
         $(#[$($docs:tt)*])* intensity = $intensity:literal
         $(falloff = $falloff:ident)?
         $(shadows = $shadows:literal)?
-        $(one of $one:ident, $other:ident)?
+        $(one of $one:ident $(, $other:ident)+)?
     ) => {
         $crate::scene::format::object::object! {
             $(#[$($meta)*])* pub struct $model = $name {
@@ -53,7 +53,7 @@ macro_rules! light {
                 )?
                 /// The name of the light: no other light of the scene has it.
                 name: Name?,
-            } $(one of $one, $other)?
+            } $(one of $one $(, $other)+)?
         }
     };
 }

@@ -1,6 +1,9 @@
 //! What each kind of material answers.
 
-use crate::tracer::{error::GeometryError, material::Material};
+use crate::{
+    scene::format::texture::TextureModel,
+    tracer::{error::GeometryError, material::Material},
+};
 
 /// What each kind of material answers in its own file.
 pub(crate) trait MaterialKind {
@@ -15,13 +18,18 @@ pub(crate) trait MaterialKind {
         Ok(self)
     }
 
-    /// Returns true if light goes through.
-    fn is_glass(&self) -> bool {
-        false
+    /// The texture.
+    fn texture(&self) -> Option<&TextureModel> {
+        None
     }
 
-    /// Returns true if it sends light of its own.
-    fn emits(&self) -> bool {
+    /// The texture, for a change.
+    fn texture_mut(&mut self) -> Option<&mut TextureModel> {
+        None
+    }
+
+    /// Returns true if light goes through.
+    fn is_glass(&self) -> bool {
         false
     }
 

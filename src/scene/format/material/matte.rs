@@ -1,20 +1,32 @@
 //! A matte surface, in a scene file.
 
 use crate::{
-    scene::format::{material::kind::MaterialKind, object::object},
+    scene::format::{
+        color::or_white, material::kind::MaterialKind, object::object, texture::TextureModel,
+    },
     tracer::{error::GeometryError, material::Material},
 };
 
 object! {
     /// Scatters light evenly to all sides.
     pub struct MatteModel = "Matte" {
-        /// The color.
-        color | diffuse: Color,
-    }
+        /// The color; with a `texture`, white is the default.
+        color | diffuse: Color?,
+        /// A texture, which the color is multiplied by.
+        texture | map: Thing(Box<TextureModel>)?,
+    } any of color, texture
 }
 
 impl MaterialKind for MatteModel {
     fn build(&self) -> Result<Material, GeometryError> {
-        Ok(Material::Matte(self.color.build()))
+        Ok(Material::Matte(or_white(self.color.as_ref())))
+    }
+
+    fn texture(&self) -> Option<&TextureModel> {
+        self.texture.as_deref()
+    }
+
+    fn texture_mut(&mut self) -> Option<&mut TextureModel> {
+        self.texture.as_deref_mut()
     }
 }

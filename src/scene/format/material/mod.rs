@@ -27,9 +27,16 @@ use crate::{
         color::ColorModel,
         map::{Entry, Map},
         material::kind::MaterialKind,
+        texture::TextureModel,
         variants::variants,
     },
-    tracer::{error::GeometryError, material::Material},
+    tracer::{
+        error::GeometryError,
+        material::{
+            Material,
+            texture::{Texture, TextureMapping},
+        },
+    },
 };
 
 variants! {
@@ -77,6 +84,11 @@ impl MaterialModel {
         })
     }
 
+    /// Returns its texture, for a change; a name has none of its own.
+    pub(crate) fn texture_mut(&mut self) -> Option<&mut TextureModel> {
+        of_each!(self, material => material.texture_mut())
+    }
+
     /// Returns the name that it refers to.
     pub(crate) fn named(&self) -> Option<&str> {
         self.described().err()
@@ -108,17 +120,21 @@ impl Surface<'_> {
     }
 }
 
-/// The materials of a scene, built.
+/// A texture and its coordinates, built.
+pub(crate) type MappedTexture = (Texture, TextureMapping);
+
+/// The materials of a scene and their textures, built.
 #[derive(Debug, Default)]
-pub(crate) struct Materials(HashMap<Box<str>, Material>);
+pub(crate) struct Materials(HashMap<Box<str>, (Material, Option<MappedTexture>)>);
 
 impl Materials {
     /// Builds the materials of a scene.
     pub(crate) fn of(model: Option<&MaterialsModel>) -> Result<Self, GeometryError> {
         let entries = model.iter().flat_map(|materials| &materials.0);
         let built = entries.filter_map(|(name, material)| {
-            let material = material.described().ok()?.build();
-            Some(material.map(|material| (name.clone(), material)))
+            let described = material.described().ok()?;
+            let built = || Ok((described.build()?, texture_of(described)?));
+            Some(built().map(|built| (name.clone(), built)))
         });
         built.collect::<Result<_, _>>().map(Self)
     }
@@ -133,14 +149,29 @@ impl Materials {
         }
     }
 
+    /// Builds the texture of a material, if it has one.
+    pub(crate) fn texture(
+        &self,
+        material: &MaterialModel,
+    ) -> Result<Option<MappedTexture>, GeometryError> {
+        match material.described() {
+            Ok(material) => texture_of(material),
+            Err(name) => Ok(self.0.get(name).and_then(|(_, texture)| texture.clone())),
+        }
+    }
+
     /// Builds a material.
     pub(crate) fn of_model(&self, material: &MaterialModel) -> Result<Material, GeometryError> {
         match material.described() {
             Ok(material) => material.build(),
             Err(name) => Ok(match self.0.get(name) {
-                Some(material) => material.clone(),
+                Some((material, _)) => material.clone(),
                 None => Material::Matte(ColorModel::BLACK.build()),
             }),
         }
     }
+}
+
+fn texture_of(material: &dyn MaterialKind) -> Result<Option<MappedTexture>, GeometryError> {
+    material.texture().map_or(Ok(None), TextureModel::build)
 }

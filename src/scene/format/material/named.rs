@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{
     material::kind::MaterialKind,
+    texture::TextureModel,
     thing::{Thing, Type},
 };
 
@@ -19,6 +20,10 @@ impl NamedModel {
     /// Returns the name, in place of a description.
     pub(super) fn described(&self) -> Result<&dyn MaterialKind, &str> {
         Err(&self.0)
+    }
+
+    pub(super) const fn texture_mut(&mut self) -> Option<&mut TextureModel> {
+        None
     }
 }
 

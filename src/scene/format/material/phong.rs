@@ -1,7 +1,12 @@
 //! A surface with a highlight, in a scene file.
 
 use crate::{
-    scene::format::{color::ColorModel, material::kind::MaterialKind, object::object},
+    scene::format::{
+        color::{ColorModel, or_white},
+        material::kind::MaterialKind,
+        object::object,
+        texture::TextureModel,
+    },
     tracer::{
         color::Color,
         error::GeometryError,
@@ -12,8 +17,10 @@ use crate::{
 object! {
     /// Scatters light, with a highlight, and may reflect a part of what is around it.
     pub struct PhongModel = "Phong" {
-        /// The color of scattered light.
-        diffuse | color: Color,
+        /// The color of scattered light; with a `texture`, white is the default.
+        diffuse | color: Color?,
+        /// A texture, which `diffuse` is multiplied by.
+        texture | map: Thing(Box<TextureModel>)?,
         /// The color of the highlight; `"#808080"` is the default.
         specular: Color = ColorModel::Hex([0x80; 3]),
         /// The exponent of the highlight, above 0 and at most 1e6: the larger, the smaller the highlight;
@@ -21,12 +28,12 @@ object! {
         exponent | shininess: Exponent = 32.0,
         /// The part of the surroundings that it reflects; black, which is nothing, is the default.
         reflection | reflectivity: Color = ColorModel::BLACK,
-    }
+    } any of diffuse, texture
 }
 
 impl MaterialKind for PhongModel {
     fn build(&self) -> Result<Material, GeometryError> {
-        let [diffuse, specular] = [self.diffuse.build(), self.specular().build()];
+        let [diffuse, specular] = [or_white(self.diffuse.as_ref()), self.specular().build()];
         Phong::new(
             diffuse,
             specular,
@@ -34,6 +41,14 @@ impl MaterialKind for PhongModel {
             self.reflection().build(),
         )
         .map(Material::from)
+    }
+
+    fn texture(&self) -> Option<&TextureModel> {
+        self.texture.as_deref()
+    }
+
+    fn texture_mut(&mut self) -> Option<&mut TextureModel> {
+        self.texture.as_deref_mut()
     }
 
     fn moot_field(&self) -> Option<[&'static str; 2]> {

@@ -1,0 +1,192 @@
+//! Opens and reads the pictures that a scene names.
+
+use std::{collections::BTreeMap, io::Read, sync::Arc};
+
+use crate::{
+    compare::{limit::PictureOptions, picture::Picture},
+    diagnostic::{Code, path::Path},
+    scene::{
+        files::{self, Folder},
+        format::{
+            geometry::GeometryModel,
+            light::LightModel,
+            material::MaterialModel,
+            picture::SkyFileModel,
+            scene::Model,
+            texture::{TextureFileModel, TextureModel},
+        },
+        options::ReadOptions,
+        place::Place,
+        problem::Problem,
+    },
+    tracer::{light::picture::SkyPicture, texels::Texels},
+};
+
+/// The longest file of a picture: that of the largest one, with four floats a pixel.
+const LONGEST: u64 = 1 << 32;
+
+/// Reads all pictures of a scene into its model, each file once, and returns their problems.
+pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    let mut known: BTreeMap<Box<str>, Texels> = BTreeMap::new();
+    let mut read = |place: &Place| -> Option<Texels> {
+        if options.is_cancelled() {
+            return None;
+        }
+        if let Some(texels) = known.get(place.file) {
+            return Some(texels.clone());
+        }
+        match open(place, files, options) {
+            Ok(texels) => {
+                known.insert(place.file.into(), texels.clone());
+                Some(texels)
+            }
+            Err(problem) => {
+                problems.push(problem);
+                None
+            }
+        }
+    };
+    let mut black = Vec::new();
+    model.each_picture_mut(|variant, named| {
+        let place = Place {
+            file: &named.path,
+            field: "image",
+            variant,
+        };
+        match read(&place).map(SkyPicture::new) {
+            Some(Ok(picture)) => named.picture = Some(picture),
+            Some(Err(error)) => {
+                black.push(place.problem(Code::InvalidImage, error.to_string()));
+            }
+            None => {}
+        }
+    });
+    model.each_texture_mut(|variant, named| {
+        let place = Place {
+            file: &named.path,
+            field: "file",
+            variant,
+        };
+        named.texels = read(&place);
+    });
+    problems.extend(black);
+    problems
+}
+
+fn open(place: &Place, files: &Folder<'_>, options: &ReadOptions) -> Result<Texels, Problem> {
+    let unreadable = |error| place.problem(Code::FileNotFound, files::cause(error));
+    let (_, file, length) = place.open_data(files, Code::InvalidImage)?;
+    if length > LONGEST {
+        let message = format!("the file has {length} bytes, the maximum is {LONGEST}");
+        return Err(place.problem(Code::InvalidImage, message));
+    }
+    let mut bytes = Vec::new();
+    let reserved = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));
+    reserved.map_err(|error| unreadable(error.into()))?;
+    let read = options
+        .until_cancelled(file)
+        .take(LONGEST)
+        .read_to_end(&mut bytes);
+    read.map_err(unreadable)?;
+    let invalid = |what: &str| place.problem(Code::InvalidImage, what);
+    let picture = Picture::from_bytes(&bytes, &PictureOptions::new());
+    let picture = picture.map_err(|error| invalid(error.cause()))?;
+    drop(bytes);
+    let light = picture
+        .into_light()
+        .ok_or_else(|| invalid("the file has no colors"))?;
+    let size = light.0;
+    let texels = Texels::new(size.width(), size.height(), light.1);
+    texels.map_err(|error| invalid(&error.to_string()))
+}
+
+impl Model {
+    /// Returns the pictures that the scene names.
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = &SkyFileModel> {
+        let lights = self.lights.iter().flatten();
+        lights.filter_map(|light| match light {
+            LightModel::Environment(environment) => environment.image.as_ref(),
+            _ => None,
+        })
+    }
+
+    /// Calls `see` with each picture that the scene names and the path of what names it.
+    pub(crate) fn each_picture_mut(&mut self, mut see: impl FnMut(Path, &mut SkyFileModel)) {
+        for (index, light) in self.lights.iter_mut().flatten().enumerate() {
+            if let LightModel::Environment(environment) = light
+                && let Some(picture) = &mut environment.image
+            {
+                let path = Path::ROOT.field("lights");
+                see(path.index(index), picture);
+            }
+        }
+    }
+
+    /// Drops the pictures that were read, and returns their number.
+    pub(crate) fn forget_pictures(&mut self) -> usize {
+        let mut forgotten = 0;
+        self.each_picture_mut(|_, named| {
+            forgotten += usize::from(named.picture.take().is_some());
+        });
+        self.each_texture_mut(|_, named| {
+            forgotten += usize::from(named.texels.take().is_some());
+        });
+        forgotten
+    }
+
+    /// Returns the pictures of the textures that the scene names.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = &TextureFileModel> {
+        let named = self.materials.iter().flat_map(|materials| &materials.0);
+        let named = named.map(|(_, material)| material);
+        let own = self
+            .walk()
+            .filter_map(|(_, geometry)| Some(&**geometry.surface().material?));
+        named.chain(own).filter_map(file_of)
+    }
+
+    /// Calls `see` with each picture of a texture and the path of the texture. Geometries that share a material
+    /// share it afterwards.
+    pub(crate) fn each_texture_mut(&mut self, mut see: impl FnMut(Path, &mut TextureFileModel)) {
+        for (name, material) in self
+            .materials
+            .iter_mut()
+            .flat_map(|materials| &mut materials.0)
+        {
+            if let Some(file) = material.texture_mut().and_then(TextureModel::file_mut) {
+                let path = Path::ROOT.field("materials");
+                see(path.key(name).field("texture"), file);
+            }
+        }
+        let all = self.walk().filter(|(_, geometry)| {
+            let material = geometry.surface().material;
+            material.is_some_and(|material| file_of(material).is_some())
+        });
+        let all: Vec<_> = all.map(|(at, _)| at).collect();
+        // With the materials before, so that no other takes their places.
+        let mut known: Vec<[Arc<MaterialModel>; 2]> = Vec::new();
+        for at in all {
+            let path = self.path_of(at).field("material").field("texture");
+            let Some(shared) = self.geometry_mut(at).and_then(GeometryModel::material_mut) else {
+                continue;
+            };
+            let mut pairs = known.iter();
+            if let Some([_, after]) = pairs.find(|[before, _]| Arc::ptr_eq(before, shared)) {
+                *shared = Arc::clone(after);
+                continue;
+            }
+            let mut own = MaterialModel::clone(shared);
+            if let Some(file) = own.texture_mut().and_then(TextureModel::file_mut) {
+                see(path, file);
+            }
+            let own = Arc::new(own);
+            known.push([Arc::clone(shared), Arc::clone(&own)]);
+            *shared = own;
+        }
+    }
+}
+
+/// Returns the picture of the texture of a material, if it has one.
+fn file_of(material: &MaterialModel) -> Option<&TextureFileModel> {
+    material.described().ok()?.texture()?.file()
+}
