@@ -34,6 +34,18 @@ class Start:
         """Returns these points as those of other faces that lie there."""
         return Start(self.p, own, self.contact, self.r, self.v, self.is_behind)
 
+    def replaced(self, rows, others):
+        """Returns the same with others in some rows."""
+        made = {name: value.copy() for name, value in vars(self).items()}
+        for name, value in vars(others).items():
+            made[name][rows] = value
+        return Start(**made)
+
+    def sided(self, d, stays):
+        """Returns what starts on this side, or behind the faces that a ray along d crosses."""
+        v = np.where(stays[:, None], self.v, d)
+        return Start(self.p, self.own, self.contact, self.r, v, self.is_behind | ~stays)
+
     def through(self, d):
         """Returns what starts behind the faces that a ray along d crosses."""
         return Start(self.p, self.own, self.contact, self.r, d, np.ones(len(self), bool))
@@ -71,6 +83,9 @@ class Faces:
         self.body_of = np.array(bodies, int)[self.shape_of]
         is_pane = np.array([shape.is_pane for shape in shapes], bool)[self.shape_of]
         self.is_glass = np.array([material.kind == "Glass" for material in materials], bool)
+        # Glass that stops light on its straight way, and that which stops it where there is a surface.
+        self.stops = np.zeros(len(materials), bool)
+        self.is_rough = np.zeros(len(materials), bool)
         self.bends = self.is_glass & ~is_pane
         self.ior = np.array([material.ior for material in materials])
         self.color = np.array([material.color for material in materials]).reshape(-1, 3)
@@ -262,4 +277,8 @@ class Faces:
             f = np.where(ratio == 1.0, 0.0, fresnel(cos_i, ratio)[0])
             tint = self.tint(left) * self.tint(entered) * self.tint(np.where(is_pane, pane, NONE))
             part *= np.where((seen == NONE)[:, None], 1.0, (1.0 - f)[:, None] * tint)
+            for counts in (left, entered, np.where(is_pane, pane, NONE)):
+                glass = np.where(counts == NONE, 0, counts)
+                stops = self.stops[glass] | self.is_rough[glass] & (ratio != 1.0)
+                part[stops & (counts != NONE)] = 0.0
         return part

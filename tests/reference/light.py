@@ -55,6 +55,10 @@ def inverse(light):
 # ---------------------------------------------------------------------------------------------
 
 
+# The roughness of the materials that have one, if it is not given.
+ROUGHNESS = {"Metal": 0.2, "Plastic": 0.3, "Principled": 0.5, "Glass": 0.0}
+
+
 class Material:
     """A material with all fields that any has, so that rows of a table can be gathered."""
 
@@ -68,6 +72,8 @@ class Material:
         self.reflection = lin(optional(fields, "reflection", "#000000"))
         self.ior = float(optional(fields, "ior", 1.5))
         self.intensity = float(optional(fields, "intensity", 1.0))
+        self.roughness = float(optional(fields, "roughness", ROUGHNESS.get(kind, 0.0)))
+        self.metallic = float(optional(fields, "metallic", 1.0 if kind == "Metal" else 0.0))
 
 
 def material_of(fields, named):
@@ -118,17 +124,19 @@ class World:
         exposure = float(optional(optional(scene, "image", {}), "exposure", 0.0))
         self.brightest = max([1.0, *intensities]) * 2.0**exposure
 
-    def incident(self, light, start, n, v):
-        """Returns I without n·l, and l; l is None for light from everywhere."""
+    def unshadowed(self, light, p, v):
+        """Returns the light that arrives at points if nothing is in its way, l, the way to it, and its limit.
+
+        l is None for light from everywhere, and the way for what casts no shadow.
+        """
         name, fields = light
-        p = start.p
         intensity = float(optional(fields, "intensity", 0.2 if name == "Ambient" else 1.0))
         power = intensity * lin(optional(fields, "color", "#ffffff"))
         arriving = np.broadcast_to(power, p.shape)
         if name == "Ambient":
-            return arriving, None
+            return arriving, None, None, 0.0
         if name == "Headlight":
-            return arriving, v
+            return arriving, v, None, 0.0
         if name == "Directional":
             d = np.broadcast_to(-np.array(fields["direction"], float), p.shape)
             limit = math.inf
@@ -142,10 +150,15 @@ class World:
         l, arriving = np.where(away, units(d), v), np.where(away, arriving, 0.0)
         if name == "Spot":
             arriving = arriving * cone(fields, l)[:, None]
-        if optional(fields, "shadows", True):
+        return arriving, l, d if optional(fields, "shadows", True) else None, limit
+
+    def incident(self, light, start, n, v):
+        """Returns I without n·l, and l; l is None for light from everywhere."""
+        arriving, l, d, limit = self.unshadowed(light, start.p, v)
+        if d is not None:
             # A surface that faces away is unlit anyway.
             facing = dots(n, l) > 0.0
-            part = np.zeros_like(p)
+            part = np.zeros_like(start.p)
             part[facing] = self.faces.transmission(start[facing], d[facing], limit)
             arriving = arriving * part
         return arriving, l
@@ -162,37 +175,50 @@ class World:
 
     def arriving(self, start, d, weight, depth):
         light = np.tile(self.background, (len(d), 1))
+        t, arrived, sense = self.reached(start, d)
+        rows = np.isfinite(t)
+        if rows.any():
+            light[rows] = self.seen(arrived[rows], d[rows], sense[rows], weight[rows], depth)
+        return light
+
+    def reached(self, start, d):
+        """Returns the t at which rays meet something first, where they arrive, and the senses there."""
         # What a ray crosses where it starts comes before all others.
         sense = self.faces.crossed(start, d)
         here = sense.any(axis=1)
-        if here.any():
-            light[here] = self.seen(start[here], d[here], sense[here], weight[here], depth)
         found, t = self.faces.hit(start, d)
+        t[here] = 0.0
         rows = ~here & (found >= 0)
-        if rows.any():
-            arrived = self.faces.at(start.p[rows], d[rows], t[rows], found[rows])
-            sense = self.faces.crossed(arrived, d[rows], arrives=True)
-            # An opaque face that was hit stays what is seen, and glass that lies on nothing else.
-            only = ~self.faces.is_glass[arrived.own] | (arrived.contact.sum(axis=1) == 1)
-            leaves = dots(self.faces.normals(arrived.own, arrived.p, d[rows]), d[rows]) > 0.0
-            sense[only] = 0
-            sense[only, arrived.own[only]] = np.where(leaves, -1, 1)[only]
-            light[rows] = self.seen(arrived, d[rows], sense, weight[rows], depth)
-        return light
+        if not rows.any():
+            return t, start, sense
+        arrived = self.faces.at(start.p[rows], d[rows], t[rows], found[rows])
+        of_hit = self.faces.crossed(arrived, d[rows], arrives=True)
+        # An opaque face that was hit stays what is seen, and glass that lies on nothing else.
+        only = ~self.faces.is_glass[arrived.own] | (arrived.contact.sum(axis=1) == 1)
+        leaves = dots(self.faces.normals(arrived.own, arrived.p, d[rows]), d[rows]) > 0.0
+        of_hit[only] = 0
+        of_hit[only, arrived.own[only]] = np.where(leaves, -1, 1)[only]
+        sense[rows] = of_hit
+        return t, start.replaced(rows, arrived), sense
 
-    def seen(self, start, d, sense, weight, depth):
-        """Returns the light from P, where rays along d cross some faces."""
-        light = np.zeros_like(d)
+    def surfaces(self, start, sense):
+        """Returns the kinds of surfaces where rays cross some faces, their points, and what is met of glass."""
         face, sense = listed(sense)
         opaque, *glass = self.faces.met(face, sense)
         own = np.where(opaque == NONE, start.own, opaque)
         kinds = np.array([material.kind for material in self.materials])[own]
         kinds[opaque == NONE] = "Glass"
+        return kinds, start.of(own), glass
+
+    def seen(self, start, d, sense, weight, depth):
+        """Returns the light from P, where rays along d cross some faces."""
+        light = np.zeros_like(d)
+        kinds, start, glass = self.surfaces(start, sense)
         for kind in sorted(set(kinds)):
             rows = kinds == kind
             shade = getattr(self, kind.lower())
             more = [each[rows] for each in glass] if kind == "Glass" else []
-            light[rows] = shade(start.of(own)[rows], d[rows], weight[rows], depth, *more)
+            light[rows] = shade(start[rows], d[rows], weight[rows], depth, *more)
         return light
 
     def gather(self, name, found):
@@ -255,27 +281,34 @@ class World:
         _, n = self.facing(start, d)
         return self.mirrored(start, d, n, self.gather("color", start.own), weight, depth)
 
-    def glass(self, start, d, weight, depth, left, entered, changed, pane):
-        light = np.zeros_like(d)
+    def interface(self, start, left, entered, changed, pane):
+        """Returns where rays go straight on, where panes are, the factors of what comes through, the refractive
+        indices before relative to those behind, and the points as those of the faces that count."""
         n1, n2 = self.faces.indices(left), self.faces.indices(entered)
         is_pane = (changed == NONE) & (pane != NONE)
         # An edge that is only grazed, and a joint of equal glass, are no surfaces.
         is_joint = np.maximum(left, entered) != NONE
         straight = (changed == NONE) & ~is_pane | is_joint & (n1 == n2)
         tint = self.faces.tint(left) * self.faces.tint(entered)
+        tint[is_pane] = self.faces.tint(pane)[is_pane]
+        own, face = start.own, np.where(is_pane, pane, np.where(straight, start.own, changed))
+        stays = np.where(own < 0, False, self.faces.body_of[own] == self.faces.body_of[face])
+        start = start.of(np.where(stays & is_pane, own, face))
+        ratio = np.where(is_pane, 1.0 / self.faces.ior[start.own], n1 / n2)
+        return straight, is_pane, tint, ratio, start
+
+    def glass(self, start, d, weight, depth, *met):
+        light = np.zeros_like(d)
+        straight, is_pane, tint, ratio, start = self.interface(start, *met)
         if straight.any():
             rest = (start[straight].through(d[straight]), d[straight], weight[straight] * tint[straight])
             light[straight] = tint[straight] * self.radiance(*rest, depth)
         rows = np.flatnonzero(~straight)
         if not len(rows):
             return light
-        is_pane, tint, d, weight = is_pane[rows], tint[rows], d[rows], weight[rows]
-        own, face = start.own[rows], np.where(is_pane, pane[rows], changed[rows])
-        stays = np.where(own < 0, False, self.faces.body_of[own] == self.faces.body_of[face])
-        start = start[rows].of(np.where(stays & is_pane, own, face))
+        is_pane, tint, ratio, start = is_pane[rows], tint[rows], ratio[rows], start[rows]
+        d, weight = d[rows], weight[rows]
         v, n = self.facing(start, d)
-        tint[is_pane] = self.faces.tint(pane[rows])[is_pane]
-        ratio = np.where(is_pane, 1.0 / self.faces.ior[start.own], n1[rows] / n2[rows])
         cos_i = dots(n, v)
         f, cos_t = fresnel(cos_i, ratio)
         bent = ratio[:, None] * -v + (ratio * cos_i - cos_t)[:, None] * n

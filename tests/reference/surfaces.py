@@ -58,17 +58,25 @@ class Face:
 
     def gradient(self, p):
         """Returns N, the gradient in the world."""
-        gradient = self.equation(self.local(p))[1] @ self.back
+        gradient = self.mapped(self.equation(self.local(p))[1])
         return -gradient if self.is_cut else gradient
+
+    def mapped(self, gradient):
+        """Returns a gradient in the world. A product of matrices would choose the signs of zeros by itself."""
+        for back, _ in reversed(self.maps):
+            x, y, z = (gradient[:, axis, None] * row for axis, row in enumerate(back))
+            gradient = x + y + z
+        return gradient
 
     def normal(self, p, d):
         """Returns the unit normal that light sees."""
         flat = units(self.gradient(p))
         if self.smooth is None:
             return flat
-        mean = self.smooth(self.local(p)) @ self.back
-        along = (dots(mean, d) / dots(d, d))[:, None] * d
-        turned = mean - (1.0 + 2.0**-10) * along
+        # It is turned to the side of the face before it is mapped.
+        mean, inner = self.smooth(self.local(p)), d @ self.back.T
+        turned = mean - (1.0 + 2.0**-10) * (dots(mean, inner) / dots(inner, inner))[:, None] * inner
+        mean, turned = self.mapped(mean), self.mapped(turned)
         is_right = (dots(mean, d) < 0.0) == (dots(flat, d) < 0.0)
         return units(np.where(is_right[:, None], mean, turned))
 
@@ -221,7 +229,7 @@ def faces_of(name, fields):
         return [mantle(a, b, radius, 0.0, is_endless=True), ball(a, radius), ball(b, radius)]
     top = radius if name == "Cylinder" else optional(fields, "top_radius", 0.0)
     side = mantle(a, b, radius, (top - radius) / np.linalg.norm(b - a))
-    caps = [flat(a, a - b, round_edge(a, radius)), flat(b, b - a, round_edge(b, top))]
+    caps = [flat(a, -(b - a), round_edge(a, radius)), flat(b, b - a, round_edge(b, top))]
     return [side] if fields.get("capped") is False else [side, *caps]
 
 
