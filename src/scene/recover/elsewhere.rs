@@ -141,7 +141,7 @@ const ABSENT: &[(&str, &str)] = &[
         "this shape is not supported; export it as a PLY, OBJ or STL file and use `Mesh(file: …)`",
     ),
     (
-        "textures pigment finish uv image_map checker",
+        "texture textures pigment finish uv image_map checker",
         "a texture is part of a material: `Matte(texture: Checker())`, or `Image(file: …)` in place of `Checker()`",
     ),
     (
