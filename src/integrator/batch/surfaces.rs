@@ -93,12 +93,13 @@ impl Known {
         let lobes = geometry
             .only_material()
             .map(|material| world.lobes(material));
+        let is_sphere = shape.sphere().is_some();
         let (color, kind) = match lobes {
             Some(lobes) => SurfaceKind::shown(lobes),
+            // The kernel finds the normals of spheres itself.
+            None if is_sphere => (Radiance::BLACK, SurfaceKind::Scattering),
             None => (Radiance::BLACK, SurfaceKind::Varied),
         };
-        // The kernel finds the normals of spheres itself, unless their material depends on the point.
-        let is_sphere = shape.sphere().is_some() && kind != SurfaceKind::Varied;
         let highlight = highlight_of(lobes);
         let is_in_place = shape.is_flat() && shape.transform().is_none();
         let flat = shape.plane().filter(|_| is_in_place);
