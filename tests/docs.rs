@@ -93,6 +93,7 @@ fn compare(path: &str, expected: &str) {
 
 /// Writes the fields of a struct, or of each variant.
 fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
+    let name_of_section = name;
     let description = definition["description"].as_str().unwrap();
     writeln!(text, "\n### {name}\n\n{description}").unwrap();
     if definition["properties"].is_object() {
@@ -108,7 +109,16 @@ fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
                 .iter()
                 .next()
                 .unwrap();
-            format!("[{name}](#{})", name.to_lowercase())
+            // A heading of the same text before has the anchor.
+            let is_variant = |of: &Value| of["properties"][name].is_object();
+            let before = schema["$defs"].as_object().unwrap().iter();
+            let before = before.take_while(|(other, _)| *other != "Geometry");
+            let variants = before.flat_map(|(_, of)| of["oneOf"].as_array().into_iter().flatten());
+            let anchor = match variants.filter(|of| is_variant(of)).count() {
+                0 => name.to_lowercase(),
+                count => format!("{}-{count}", name.to_lowercase()),
+            };
+            format!("[{name}](#{anchor})")
         });
         let names = names.collect::<Vec<_>>().join(", ");
         writeln!(text, "\nOne of {names}.").unwrap();
@@ -137,7 +147,7 @@ fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
         )
         .unwrap();
         let picture = format!("shapes/{}", name.to_lowercase());
-        if fs::exists(format!("docs/{picture}.ron")).unwrap() {
+        if name_of_section == "Geometry" && fs::exists(format!("docs/{picture}.ron")).unwrap() {
             writeln!(text, "\n[![{name}]({picture}.png)]({picture}.ron)").unwrap();
         }
         if body["properties"].is_object() {

@@ -361,10 +361,7 @@ impl fmt::Display for CameraView<'_> {
             writeln!(out, "  fov 2α       {fov:?} degrees")?;
         }
         if let Some((aperture, focus)) = self.aperture.zip(self.focus) {
-            writeln!(
-                out,
-                "  lens         aperture {aperture:?}, sharp at {focus:?}"
-            )?;
+            writeln!(out, "  lens         aperture {aperture:?}, focus {focus:?}")?;
         }
         if let Some([[focal, ..], ..]) = self.intrinsics {
             writeln!(out, "  focal length {focal:?} pixels")?;

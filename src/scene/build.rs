@@ -26,10 +26,7 @@ use crate::{
         color::Color,
         error::GeometryError,
         geometry::Geometry,
-        material::{
-            Material,
-            texture::{Texture, TextureMapping},
-        },
+        material::{Material, texture::MappedTexture},
         world::{Lighting, World},
     },
 };
@@ -365,8 +362,7 @@ fn add(
     let material = model.surface().material;
     let material = material.map(|material| materials.of_model(material));
     let material = material.transpose()?;
-    let texture = model.surface().material;
-    let texture = texture.map_or(Ok(None), |material| materials.texture(material))?;
+    let texture = materials.texture(model.surface())?;
     let mut scale = Scale::new(model, table);
     rows(
         table,
@@ -409,7 +405,7 @@ fn surroundings(
 /// Builds the rows of a table. The color of a row replaces the first color of the material.
 fn rows(
     table: &Table,
-    (material, texture): (Option<&Material>, Option<&(Texture, TextureMapping)>),
+    (material, texture): (Option<&Material>, Option<&MappedTexture>),
     mut scale: Option<&mut Scale>,
     placement: &Placement,
     geometries: &mut Vec<Geometry>,
@@ -427,12 +423,9 @@ fn rows(
             (Some(scale), Some(value)) => scale.add(value),
             _ => Color::new(r, g, b),
         };
-        let built = row.shape.and_then(|shape| match texture {
-            None => Ok(Geometry::new(placement.place(shape)?, of_row(color))),
-            Some((texture, mapping)) => {
-                let geometry = Geometry::new(shape, of_row(color));
-                placed(geometry.textured(texture.clone(), *mapping), placement)
-            }
+        let built = row.shape.and_then(|shape| {
+            let geometry = Geometry::new(shape, of_row(color));
+            placed(geometry.dressed(texture.cloned()), placement)
         });
         match built {
             Ok(geometry) => geometries.push(geometry),

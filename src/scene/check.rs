@@ -133,10 +133,10 @@ impl CheckedModel {
         let is_known = validate::version(model.version).is_none();
         let (mut has_files, mut has_copies) = (false, false);
         for (_, geometry) in model.walk() {
-            has_files |= geometry.file().is_some();
+            has_files |= geometry.file().is_some() || pictures::is_textured(geometry);
             has_copies |= geometry.copies().is_some();
         }
-        has_files |= model.pictures().next().is_some() || model.textures().next().is_some();
+        has_files |= model.pictures().next().is_some() || model.named_textures().next().is_some();
         let is_wanted = is_known && has_files;
         let cache = LazyCell::new(|| PartCache::of(options));
         let (mut tables, mut needs, mut found) = Default::default();

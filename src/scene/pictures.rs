@@ -1,6 +1,10 @@
 //! Opens and reads the pictures that a scene names.
 
-use std::{collections::BTreeMap, io::Read, sync::Arc};
+use std::{
+    collections::{BTreeMap, HashMap},
+    io::Read,
+    sync::Arc,
+};
 
 use crate::{
     compare::{limit::PictureOptions, picture::Picture},
@@ -8,12 +12,8 @@ use crate::{
     scene::{
         files::{self, Folder},
         format::{
-            geometry::GeometryModel,
-            light::LightModel,
-            material::MaterialModel,
-            picture::SkyFileModel,
-            scene::Model,
-            texture::{TextureFileModel, TextureModel},
+            geometry::GeometryModel, light::LightModel, material::MaterialModel,
+            picture::PictureFileModel, scene::Model, texture::TextureModel,
         },
         options::ReadOptions,
         place::Place,
@@ -55,7 +55,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             variant,
         };
         match read(&place).map(SkyPicture::new) {
-            Some(Ok(picture)) => named.picture = Some(picture),
+            Some(Ok(picture)) => named.content = Some(picture),
             Some(Err(error)) => {
                 black.push(place.problem(Code::InvalidImage, error.to_string()));
             }
@@ -68,7 +68,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             field: "file",
             variant,
         };
-        named.texels = read(&place);
+        named.content = read(&place);
     });
     problems.extend(black);
     problems
@@ -93,17 +93,15 @@ fn open(place: &Place, files: &Folder<'_>, options: &ReadOptions) -> Result<Texe
     let picture = Picture::from_bytes(&bytes, &PictureOptions::new());
     let picture = picture.map_err(|error| invalid(error.cause()))?;
     drop(bytes);
-    let light = picture
-        .into_light()
-        .ok_or_else(|| invalid("the file has no colors"))?;
-    let size = light.0;
-    let texels = Texels::new(size.width(), size.height(), light.1);
+    let light = picture.into_light();
+    let (size, light) = light.ok_or_else(|| invalid("the file has no colors"))?;
+    let texels = Texels::new(size.width(), size.height(), light);
     texels.map_err(|error| invalid(&error.to_string()))
 }
 
 impl Model {
     /// Returns the pictures that the scene names.
-    pub(crate) fn pictures(&self) -> impl Iterator<Item = &SkyFileModel> {
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = &PictureFileModel<SkyPicture>> {
         let lights = self.lights.iter().flatten();
         lights.filter_map(|light| match light {
             LightModel::Environment(environment) => environment.image.as_ref(),
@@ -112,7 +110,10 @@ impl Model {
     }
 
     /// Calls `see` with each picture that the scene names and the path of what names it.
-    pub(crate) fn each_picture_mut(&mut self, mut see: impl FnMut(Path, &mut SkyFileModel)) {
+    pub(crate) fn each_picture_mut(
+        &mut self,
+        mut see: impl FnMut(Path, &mut PictureFileModel<SkyPicture>),
+    ) {
         for (index, light) in self.lights.iter_mut().flatten().enumerate() {
             if let LightModel::Environment(environment) = light
                 && let Some(picture) = &mut environment.image
@@ -127,27 +128,33 @@ impl Model {
     pub(crate) fn forget_pictures(&mut self) -> usize {
         let mut forgotten = 0;
         self.each_picture_mut(|_, named| {
-            forgotten += usize::from(named.picture.take().is_some());
+            forgotten += usize::from(named.content.take().is_some());
         });
         self.each_texture_mut(|_, named| {
-            forgotten += usize::from(named.texels.take().is_some());
+            forgotten += usize::from(named.content.take().is_some());
         });
         forgotten
     }
 
-    /// Returns the pictures of the textures that the scene names.
-    pub(crate) fn textures(&self) -> impl Iterator<Item = &TextureFileModel> {
+    /// Returns the pictures of the textures of materials with names.
+    pub(crate) fn named_textures(&self) -> impl Iterator<Item = &PictureFileModel<Texels>> {
         let named = self.materials.iter().flat_map(|materials| &materials.0);
-        let named = named.map(|(_, material)| material);
-        let own = self
-            .walk()
-            .filter_map(|(_, geometry)| Some(&**geometry.surface().material?));
-        named.chain(own).filter_map(file_of)
+        named.filter_map(|(_, material)| file_of(material))
+    }
+
+    /// Returns the pictures of all textures.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = &PictureFileModel<Texels>> {
+        let own = self.walk();
+        let own = own.filter_map(|(_, geometry)| file_of(geometry.surface().material?));
+        self.named_textures().chain(own)
     }
 
     /// Calls `see` with each picture of a texture and the path of the texture. Geometries that share a material
     /// share it afterwards.
-    pub(crate) fn each_texture_mut(&mut self, mut see: impl FnMut(Path, &mut TextureFileModel)) {
+    pub(crate) fn each_texture_mut(
+        &mut self,
+        mut see: impl FnMut(Path, &mut PictureFileModel<Texels>),
+    ) {
         for (name, material) in self
             .materials
             .iter_mut()
@@ -158,20 +165,17 @@ impl Model {
                 see(path.key(name).field("texture"), file);
             }
         }
-        let all = self.walk().filter(|(_, geometry)| {
-            let material = geometry.surface().material;
-            material.is_some_and(|material| file_of(material).is_some())
-        });
+        let all = self.walk().filter(|(_, geometry)| is_textured(geometry));
         let all: Vec<_> = all.map(|(at, _)| at).collect();
-        // With the materials before, so that no other takes their places.
-        let mut known: Vec<[Arc<MaterialModel>; 2]> = Vec::new();
+        // By the places of the materials before, which stay so that no other takes them.
+        let mut known: HashMap<*const MaterialModel, [Arc<MaterialModel>; 2]> = HashMap::new();
         for at in all {
             let path = self.path_of(at).field("material").field("texture");
             let Some(shared) = self.geometry_mut(at).and_then(GeometryModel::material_mut) else {
                 continue;
             };
-            let mut pairs = known.iter();
-            if let Some([_, after]) = pairs.find(|[before, _]| Arc::ptr_eq(before, shared)) {
+            let place = Arc::as_ptr(shared);
+            if let Some([_, after]) = known.get(&place) {
                 *shared = Arc::clone(after);
                 continue;
             }
@@ -180,13 +184,20 @@ impl Model {
                 see(path, file);
             }
             let own = Arc::new(own);
-            known.push([Arc::clone(shared), Arc::clone(&own)]);
+            known.insert(place, [Arc::clone(shared), Arc::clone(&own)]);
             *shared = own;
         }
     }
 }
 
+/// Returns true if the material of a geometry has a texture from a file, and no name.
+#[inline]
+pub(crate) fn is_textured(geometry: &GeometryModel) -> bool {
+    let material = geometry.surface().material;
+    material.is_some_and(|material| file_of(material).is_some())
+}
+
 /// Returns the picture of the texture of a material, if it has one.
-fn file_of(material: &MaterialModel) -> Option<&TextureFileModel> {
+fn file_of(material: &MaterialModel) -> Option<&PictureFileModel<Texels>> {
     material.described().ok()?.texture()?.file()
 }

@@ -11,7 +11,7 @@ use crate::tracer::{
     material::{
         Material,
         binding::{MaterialBinding, VertexColors},
-        texture::{Texture, TextureMapping, Textured},
+        texture::{MappedTexture, Texture, TextureMapping, Textured},
     },
     ray::Ray,
     shape::{
@@ -84,7 +84,7 @@ impl Geometry {
         }
     }
 
-    /// Gives the material a texture. The coordinates on the surface are those of the shape as it is now: they stay
+    /// Gives the material a texture. The coordinates on the surface are those of the shape as it is now, and move
     /// with it where it is placed.
     #[must_use]
     pub fn textured(self, texture: Texture, mapping: TextureMapping) -> Self {
@@ -96,6 +96,14 @@ impl Geometry {
         Self {
             binding: MaterialBinding::Textured(textured.into()),
             ..self
+        }
+    }
+
+    /// Gives the material a texture, if there is one, and if it is the same everywhere.
+    pub(crate) fn dressed(self, texture: Option<MappedTexture>) -> Self {
+        match (texture, self.binding.plain()) {
+            (Some((texture, mapping)), Some(_)) => self.textured(texture, mapping),
+            _ => self,
         }
     }
 
@@ -160,36 +168,40 @@ impl Geometry {
 
     /// Returns the shape and the binding at a face, and the number of the face there: in a copy those
     /// of the prototype.
+    #[inline]
     pub(crate) fn surface(&self, face: u64) -> (&Shape, &MaterialBinding, u64) {
+        self.surface_in_copies(face, |_, _| {})
+    }
+
+    /// The same; `enter` is called for each copy that the face is in, with the number of the face there.
+    #[inline]
+    fn surface_in_copies(
+        &self,
+        face: u64,
+        mut enter: impl FnMut(&Instances, u64),
+    ) -> (&Shape, &MaterialBinding, u64) {
         let (mut shape, mut binding, mut face) = (&self.shape, &self.binding, face);
         // What a part holds may be copies itself.
-        while let Some(found) = shape.copies().and_then(|copies| copies.part_of(face)) {
-            let (index, inner, number) = found;
+        while let Some(copies) = shape.copies()
+            && let Some((index, inner, number)) = copies.part_of(face)
+        {
+            enter(copies, face);
             (shape, binding, face) = (inner, binding.of_shape(index), number);
         }
         (shape, binding, face)
     }
 
-    /// The same, and a point of the face in the space of the shape.
-    pub(crate) fn surface_at(
-        &self,
-        face: u64,
-        point: DVec3,
-    ) -> (&Shape, &MaterialBinding, u64, DVec3) {
-        let (mut shape, mut binding, mut face) = (&self.shape, &self.binding, face);
-        let mut point = point;
-        while let Some((copies, found)) = shape.copies().and_then(|copies| {
-            let found = copies.part_of(face)?;
-            Some((copies, found))
-        }) {
-            point = match copies.transform(copies.copy_of(face)) {
-                Some(transform) => transform.point_back(point),
-                None => point,
-            };
-            let (index, inner, number) = found;
-            (shape, binding, face) = (inner, binding.of_shape(index), number);
+    /// Returns the material of a texture at a point of a face, if it has one.
+    pub(crate) fn textured_at(&self, face: u64, mut point: DVec3) -> Option<Material> {
+        let (_, binding, face) = self.surface_in_copies(face, |copies, face| {
+            if let Some(transform) = copies.transform(copies.copy_of(face)) {
+                point = transform.point_back(point);
+            }
+        });
+        match binding {
+            MaterialBinding::Textured(textured) => Some(textured.at(point, face)),
+            _ => None,
         }
-        (shape, binding, face, point)
     }
 
     /// Returns the number of a face in its shape, which in a copy is one of the prototype; `None` for a
@@ -295,8 +307,10 @@ mod tests {
     use crate::tracer::{
         colormap::{Colormap, scale::ColorScale},
         contact::Departure,
-        material::{Emissive, glass::Glass},
-        shape::{cuboid::Cuboid, face::FaceId, mesh::Mesh, plane::Plane, sphere::Sphere},
+        material::{Emissive, glass::Glass, texture::Checkerboard},
+        shape::{
+            cuboid::Cuboid, face::FaceId, mesh::Mesh, placed::Placer, plane::Plane, sphere::Sphere,
+        },
         world::World,
     };
 
@@ -420,5 +434,44 @@ mod tests {
         let floor = Geometry::new(floor, Color::WHITE);
         let hit = floor.hit(&Ray::new(DVec3::NEG_Y, DVec3::Y)).unwrap();
         assert_eq!((hit.normal, hit.front_face), (DVec3::Y, false));
+    }
+
+    // Two colors at most differ by rounding, where a ray meets a border of the checkerboard.
+    #[test]
+    fn a_texture_moves_with_its_shape() {
+        let checker = Checkerboard::new(Color::WHITE, Color::BLACK, 0.3).unwrap();
+        let mapping = TextureMapping::planar(DVec3::new(0.1, 0.2, 0.0), [DVec3::X, DVec3::Y]);
+        let still = Geometry::new(Sphere::new(DVec3::ONE, 1.0).unwrap(), Color::WHITE)
+            .textured(Texture::Checker(checker), mapping.unwrap());
+        let turn = |axis, angle, shift| {
+            Transform::new(shift, Some((axis, angle)), DVec3::splat(1.3)).unwrap()
+        };
+        let inner = turn(DVec3::new(1.0, 2.0, 0.5), 40.0, DVec3::new(1.0, 0.0, -2.0));
+        let outer = turn(DVec3::new(0.0, -1.0, 3.0), 110.0, DVec3::new(0.5, 3.0, 0.0));
+        let place = |geometry: Geometry, by: Transform| {
+            let mut placer = Placer::new(&[by.into()]);
+            geometry
+                .placed(Some(&by), |shape| placer.place(shape))
+                .unwrap()
+        };
+        let both = place(place(still.clone(), inner), outer);
+        let copy = Geometry::copies([&place(still.clone(), inner)], [outer]).unwrap();
+        let copies = place(Geometry::copies([&still], [inner]).unwrap(), outer);
+        let (mut hits, mut white) = (0, 0);
+        for step in 0..2000 {
+            let turn = f64::from(step) * 2.4;
+            let from = 4.0 * DVec3::new(libm::sin(turn), libm::cos(turn), libm::sin(0.1 * turn));
+            let ray = Ray::new(DVec3::ONE + from, -from + 0.2 * DVec3::X);
+            let Some(hit) = still.hit(&ray) else { continue };
+            let all = outer.times(&inner).unwrap();
+            let moved = Ray::new(all.point(ray.origin()), all.direction(ray.direction()));
+            for other in [&both, &copy, &copies] {
+                let found = other.hit(&moved).unwrap().color();
+                hits += i32::from(found == hit.color());
+            }
+            white += i32::from(hit.color().r() > 0.5);
+        }
+        assert!(white > 700 && white < 1300, "{white}");
+        assert!(hits >= 3 * 2000 - 6, "{hits}");
     }
 }

@@ -52,8 +52,8 @@ impl<'a> Hit<'a> {
                 Cow::Owned(materials.with_color(color.unwrap_or_default()))
             }
             MaterialBinding::Textured(textured) => {
-                let (_, _, face, point) = self.geometry.surface_at(self.face, self.point);
-                Cow::Owned(textured.at(point, face))
+                let material = self.geometry.textured_at(self.face, self.point);
+                material.map_or(Cow::Borrowed(textured.material()), Cow::Owned)
             }
         }
     }

@@ -12,7 +12,7 @@ pub struct Texels {
     light: Arc<[[f32; 3]]>,
 }
 
-/// What lies beside a picture.
+/// The continuation of a picture beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TexelWrap {
     /// The picture again.

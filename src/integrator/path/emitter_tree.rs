@@ -1,11 +1,9 @@
 //! A tree over emitters that have a place, which chooses one of many in the time of its depth.
 
-use std::cmp::Ordering;
-
 use glam::DVec3;
 
 /// The number of emitters with a place up to which there is no tree.
-pub(super) const FEW: usize = 32;
+const FEW: usize = 32;
 
 /// An emitter with a place.
 #[derive(Clone, Copy, Debug)]
@@ -117,19 +115,15 @@ impl EmitterTree {
             let [first, other] = parts.map(|part| self.part(part, point, &weight));
             let sum = first + other;
             let at = u * sum;
-            let chosen = match at.partial_cmp(&first) {
-                Some(Ordering::Less) => {
-                    u = at / first;
-                    (parts[0], first)
-                }
-                _ if other > 0.0 => {
-                    u = (at - first) / other;
-                    (parts[1], other)
-                }
-                _ => return None,
-            };
-            node = chosen.0;
-            probability *= chosen.1 / sum;
+            let weight;
+            if at < first {
+                (node, weight, u) = (parts[0], first, at / first);
+            } else if other > 0.0 {
+                (node, weight, u) = (parts[1], other, (at - first) / other);
+            } else {
+                return None;
+            }
+            probability *= weight / sum;
         }
     }
 

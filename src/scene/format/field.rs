@@ -82,7 +82,7 @@ kinds! {
     LightRadius: Number in Range::Within(0.0, LARGEST),
     /// The diameter of a lens.
     Aperture: Number in Range::Within(0.0, LARGEST_LENS),
-    /// The distance at which a lens is sharp.
+    /// The distance of a plane of focus.
     FocalDistance: Number in Range::AboveUpTo(0, LARGEST_LENS),
     /// The angle of the disc of a light in degrees.
     LightAngle: Number in Range::Within(0.0, WIDEST),

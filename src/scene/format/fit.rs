@@ -50,8 +50,8 @@ object! {
     pub struct PerspectiveProjectionModel = "Perspective" {
         /// The full vertical angle of view in degrees, above 0 and below 180.
         fov ! alpha ! angle ! half_angle: Angle,
-        /// The diameter of the lens in units of the scene, 0 to 1e12, where light follows paths: the middle of
-        /// what is framed is sharp. 0 is the default: all is sharp.
+        /// The diameter of the lens in units of the scene, 0 to 1e12, where light follows paths; the middle of
+        /// what is framed is in focus. 0, the default, keeps everything in focus.
         aperture ! lens_radius ! f_stop: Aperture = 0.0,
     }
 }

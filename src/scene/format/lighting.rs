@@ -71,13 +71,13 @@ object! {
         clamp: Limit?,
         /// The seed of the samples, 0 to 4294967295; 0 is the default.
         seed: Natural { u32::MAX } = 0,
-        /// Where in a pixel, or around it, its paths begin; `Box()` is the default.
+        /// The distribution of paths around the center of a pixel; `Box()` is the default.
         filter: Thing(FilterModel)?,
     }
 }
 
 variants! {
-    /// Where the paths of a pixel begin.
+    /// The distribution of paths around the center of a pixel.
     pub enum FilterModel = "Filter" {
         /// Evenly over the pixel.
         Box(BoxFilterModel),

@@ -29,13 +29,13 @@ object! {
         /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
         /// equation.
         fov ! alpha ! angle ! half_angle: Angle,
-        /// The diameter of the lens in units of the scene, 0 to 1e12, where light follows paths: the larger it
-        /// is, the more is blurred what does not lie where it is sharp. 0 is the default: all is sharp.
+        /// The diameter of the lens in units of the scene, 0 to 1e12, where light follows paths: a larger lens
+        /// blurs more of what is out of focus. 0, the default, keeps everything in focus.
         aperture ! lens_radius ! f_stop: Aperture = 0.0,
-        /// The distance along the line of sight at which the picture is sharp, above 0 and at most 1e12; that of
+        /// The distance of the plane of focus along the line of sight, above 0 and at most 1e12; that of
         /// `look_at` is the default. Give at most one of this and `focus_at`.
         focus | focus_distance | focal_distance: FocalDistance?,
-        /// A point on the plane that is sharp.
+        /// A point on the plane of focus.
         focus_at | focal_point: Point?,
     } one of gaze, look_at at most one of focus, focus_at
 }

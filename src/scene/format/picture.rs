@@ -2,27 +2,25 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::tracer::light::picture::SkyPicture;
-
 /// The extensions of pictures that a scene may name.
 pub(crate) const ENDINGS: &[&str] = &["exr", "hdr", "pfm", "png", "jpg", "jpeg"];
 
-/// The path of a picture of the surroundings, and what is in it.
+/// The path of a picture, and what it is used as.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct SkyFileModel {
+#[serde(transparent, bound = "")]
+pub struct PictureFileModel<T> {
     /// The path from the folder of the scene.
     pub path: Box<str>,
     /// The picture, once the file is read.
     #[serde(skip)]
-    pub(crate) picture: Option<SkyPicture>,
+    pub(crate) content: Option<T>,
 }
 
-impl From<&str> for SkyFileModel {
+impl<T> From<&str> for PictureFileModel<T> {
     fn from(path: &str) -> Self {
         Self {
             path: path.into(),
-            picture: None,
+            content: None,
         }
     }
 }

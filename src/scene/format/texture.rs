@@ -1,12 +1,10 @@
 //! The textures of materials, in a scene file.
 
-use serde::{Deserialize, Serialize};
-
 use crate::{
     scene::format::{
         color::ColorModel,
         object::object,
-        picture::ENDINGS,
+        picture::{ENDINGS, PictureFileModel},
         sight::UP,
         variants::{variants, words},
     },
@@ -32,7 +30,7 @@ object! {
     /// A checkerboard.
     #[derive(Default)]
     pub struct CheckerModel = "Checker" {
-        /// The color of one half of the cells; white is the default.
+        /// The color of the first cell and of every second one; white is the default.
         even: Color = ColorModel::WHITE,
         /// The color of the others; `"#404040"` is the default.
         odd: Color = ColorModel::Hex([0x40; 3]),
@@ -48,10 +46,10 @@ object! {
     pub struct ImageTextureModel = "Image" {
         /// The picture: a path from the folder of the scene to a file .exr, .hdr, .pfm, .png or .jpg, with `/`
         /// between its parts.
-        file | path | filename | image: File { ENDINGS }(TextureFileModel),
-        /// What lies between the centers of pixels; `Bilinear` is the default.
+        file | path | filename | image: File { ENDINGS }(PictureFileModel<Texels>),
+        /// The interpolation between pixel centers; `Bilinear` is the default.
         interpolation | filter: Choice(TexelInterpolationModel) = TexelInterpolationModel::default(),
-        /// What lies beside the picture; `Repeat` is the default.
+        /// The continuation beyond the border of the picture; `Repeat` is the default.
         wrap | extension: Choice(TexelWrapModel) = TexelWrapModel::default(),
         /// The coordinates on the surface; `Natural()` is the default.
         mapping: Thing(MappingModel)?,
@@ -59,19 +57,19 @@ object! {
 }
 
 words! {
-    /// What lies between the centers of the pixels of a picture.
+    /// The interpolation between pixel centers.
     #[derive(Copy, Default, Eq)]
     pub enum TexelInterpolationModel = "TexelInterpolation" {
-        /// Light that blends between four of them.
+        /// A blend of the four nearest pixels.
         #[default]
         Bilinear,
-        /// The light of the nearest one.
+        /// The nearest pixel.
         Nearest,
     }
 }
 
 words! {
-    /// What lies beside a picture.
+    /// The continuation of a picture beyond its border.
     #[derive(Copy, Default, Eq)]
     pub enum TexelWrapModel = "TexelWrap" {
         /// The picture again.
@@ -83,11 +81,11 @@ words! {
 }
 
 variants! {
-    /// The coordinates on a surface, in the space of the shape before it is placed.
+    /// The coordinates on a surface, which move with the shape where it is placed.
     pub enum MappingModel = "Mapping" {
-        /// Those of the shape.
+        /// The coordinates of the shape.
         Natural(NaturalMappingModel),
-        /// Parts of two vectors from a point.
+        /// Coordinates in a plane: parts of two vectors from a point.
         Planar(PlanarMappingModel),
         /// Longitude and latitude around a point.
         Spherical(SphericalMappingModel),
@@ -95,14 +93,14 @@ variants! {
 }
 
 object! {
-    /// Those of the shape: of a sphere longitude and latitude, of a cylinder angle and height, of a rectangle its
+    /// The coordinates of the shape: of a sphere longitude and latitude, of a cylinder angle and height, of a rectangle its
     /// edges, all from 0 to 1; of a plane two coordinates.
     #[derive(Default)]
     pub struct NaturalMappingModel = "Natural" {}
 }
 
 object! {
-    /// Parts of two vectors from a point.
+    /// Coordinates in a plane: parts of two vectors from a point.
     pub struct PlanarMappingModel = "Planar" {
         /// The point where both are 0.
         origin: Point,
@@ -125,26 +123,6 @@ object! {
     }
 }
 
-/// The path of the picture of a texture, and what is in it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct TextureFileModel {
-    /// The path from the folder of the scene.
-    pub path: Box<str>,
-    /// The picture, once the file is read.
-    #[serde(skip)]
-    pub(crate) texels: Option<Texels>,
-}
-
-impl From<&str> for TextureFileModel {
-    fn from(path: &str) -> Self {
-        Self {
-            path: path.into(),
-            texels: None,
-        }
-    }
-}
-
 impl TextureModel {
     /// The texture and its coordinates; `None` as long as its file is not read.
     pub(crate) fn build(&self) -> Result<Option<(Texture, TextureMapping)>, GeometryError> {
@@ -154,7 +132,7 @@ impl TextureModel {
                 Texture::Checker(Checkerboard::new(even, odd, checker.size())?)
             }
             Self::Image(image) => {
-                let Some(texels) = image.file.texels.clone() else {
+                let Some(texels) = image.file.content.clone() else {
                     return Ok(None);
                 };
                 Texture::Image(ImageTexture {
@@ -187,7 +165,7 @@ impl TextureModel {
     }
 
     /// Returns the picture, if it is one.
-    pub(crate) const fn file(&self) -> Option<&TextureFileModel> {
+    pub(crate) const fn file(&self) -> Option<&PictureFileModel<Texels>> {
         match self {
             Self::Checker(_) => None,
             Self::Image(image) => Some(&image.file),
@@ -195,7 +173,7 @@ impl TextureModel {
     }
 
     /// The same for a change.
-    pub(crate) const fn file_mut(&mut self) -> Option<&mut TextureFileModel> {
+    pub(crate) const fn file_mut(&mut self) -> Option<&mut PictureFileModel<Texels>> {
         match self {
             Self::Checker(_) => None,
             Self::Image(image) => Some(&mut image.file),

@@ -165,7 +165,7 @@ impl Found {
         }
     }
 
-    /// Checks where a camera is sharp.
+    /// Checks the focus of a camera.
     fn focus(&mut self, camera: &PerspectiveModel, sight: &Sight, path: &Path) {
         match (camera.focus, camera.focus_at) {
             (Some(_), Some(_)) => {
@@ -189,7 +189,7 @@ impl Found {
                 let place = path.field("aperture");
                 let problem = Problem::new(Code::OneOf, place, Focus::Key, message);
                 self.push(problem.help(
-                    "add `focus`, the distance at which the picture is sharp, or `focus_at`, a point",
+                    "add `focus`, the distance of the plane of focus, or `focus_at`, a point on it",
                 ));
             }
             _ => {}

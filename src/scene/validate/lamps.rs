@@ -19,8 +19,8 @@ use crate::{
     },
 };
 
-/// Returns true if `is_it` holds for the material of a geometry of a scene.
-pub(super) fn any_material(
+/// Returns true if `is_it` holds for the material of a geometry of a scene, of those that are bright by themselves.
+pub(super) fn any_bright(
     model: &Model,
     tables: &Tables,
     is_it: impl Fn(&Material) -> bool,
@@ -29,13 +29,15 @@ pub(super) fn any_material(
     let mut in_parts = parts.flat_map(|part| &part.geometries);
     let mut own = model.walk();
     in_parts.any(|geometry| geometry.materials().any(&is_it))
-        || own.any(|(_, geometry)| is_of(&geometry.surface(), model, &is_it))
+        || own.any(|(_, geometry)| is_bright(&geometry.surface(), model, &is_it))
 }
 
-/// Returns true if `is_it` holds for the material of a surface.
-fn is_of(surface: &Surface, model: &Model, is_it: impl Fn(&Material) -> bool) -> bool {
+/// The same for the material of a surface.
+fn is_bright(surface: &Surface, model: &Model, is_it: impl Fn(&Material) -> bool) -> bool {
     let material = surface.material;
     let material = material.and_then(|material| material.resolve(model.materials.as_ref()));
+    // Most materials are not built.
+    let material = material.filter(|material| material.emits());
     material.is_some_and(|material| material.build().is_ok_and(|material| is_it(&material)))
 }
 
@@ -64,7 +66,9 @@ impl Found {
                         |of: &&Geometry| of.materials().any(is_lamp) && !is_target(of.shape());
                     all.iter().find(is_it).map(|of| of.shape().kind_of_one())
                 }),
-                None if (leaf.geometry.surfaces().iter()).any(|of| is_of(of, model, is_lamp)) => {
+                None if (leaf.geometry.surfaces().iter())
+                    .any(|of| is_bright(of, model, is_lamp)) =>
+                {
                     let shape = leaf.shape().filter(|shape| !is_target(shape));
                     shape.map(|shape| shape.kind())
                 }
@@ -74,9 +78,8 @@ impl Found {
             if self.tally.only_counts(Code::NotAimed) {
                 continue;
             }
-            let message = format!(
-                "no path aims at this {kind} that shines: it is seen, but what it lights is noisy"
-            );
+            let message =
+                format!("paths cannot aim at this {kind} that shines, so its light is noisy");
             let problem =
                 Problem::new(Code::NotAimed, model.path_of(leaf.at), Focus::Name, message);
             self.push(problem.help(
@@ -100,7 +103,7 @@ impl Found {
             .filter_map(|light| light.build().ok());
         let of_parts = tables.lights().flatten().map(|(_, light)| light.clone());
         let lights: Vec<Light> = own.chain(of_parts).collect();
-        let is_bright = |light: &&Light| light.glow().radiance().max_channel() > 0.0;
+        let shines = |light: &&Light| light.glow().radiance().max_channel() > 0.0;
         // True for a light that no path finds, false for one that paths find.
         let is_lost = |light: &Light| match light.source() {
             Source::Viewer => None,
@@ -109,11 +112,7 @@ impl Found {
                 Some(light.size() == LightSize::None && light.shadows())
             }
         };
-        let mut lost = lights
-            .iter()
-            .filter(is_bright)
-            .filter_map(is_lost)
-            .peekable();
+        let mut lost = lights.iter().filter(shines).filter_map(is_lost).peekable();
         if lost.peek().is_none() || !lost.all(|is_lost| is_lost) {
             return;
         }
@@ -127,7 +126,7 @@ impl Found {
                 is_glass(leaf.geometry, model) && leaf.shape().is_some_and(|shape| !shape.is_flat())
             }
         });
-        if !has_glass || any_material(model, tables, is_lamp) {
+        if !has_glass || any_bright(model, tables, is_lamp) {
             return;
         }
         let message = "no light gets through solid glass: paths find only lights with a size";

@@ -18,7 +18,7 @@ use crate::{
         },
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{found::Found, lamps::any_material, material::WITHOUT_PATHS},
+        validate::{found::Found, lamps::any_bright, material::WITHOUT_PATHS},
     },
     tracer::{
         geometry::Geometry,
@@ -110,7 +110,7 @@ impl Found {
             changes || light.is_ok_and(|light| is_bright(&light))
         };
         if lights.iter().enumerate().any(shines)
-            || any_material(model, tables, |material| {
+            || any_bright(model, tables, |material| {
                 material.lobes().emission.is_some()
             })
         {

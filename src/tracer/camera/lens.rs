@@ -10,10 +10,10 @@ use crate::tracer::{
     vector::{in_range, unit},
 };
 
-/// The largest diameter of a lens, and the largest distance at which it is sharp.
+/// The largest diameter of a lens, and the largest distance of its plane of focus.
 pub(crate) const LARGEST: f64 = 1e12;
 
-/// A thin lens: what lies on a plane in front of the camera is sharp, all else is blurred.
+/// A thin lens: only a plane in front of the camera is in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ThinLens {
     aperture: f64,
@@ -21,7 +21,7 @@ pub(crate) struct ThinLens {
 }
 
 impl ThinLens {
-    /// Creates a lens of this diameter that is sharp at this distance along the line of sight.
+    /// Creates a lens of this diameter with the plane of focus at this distance along the line of sight.
     pub(crate) fn new(aperture: f64, focus: f64) -> Result<Self, GeometryError> {
         Ok(Self {
             aperture: in_range(aperture, "aperture", [0.0, LARGEST])?,
@@ -34,13 +34,13 @@ impl ThinLens {
         self.aperture
     }
 
-    /// The distance along the line of sight at which it is sharp.
+    /// The distance of the plane of focus along the line of sight.
     pub(crate) const fn focus(&self) -> f64 {
         self.focus
     }
 
-    /// Returns the ray that starts at a point of the lens and meets the plane that is sharp where the ray
-    /// through its middle does.
+    /// Returns the ray that starts at a point of the lens and meets the plane of focus where the ray through
+    /// its middle does.
     pub(super) fn ray(&self, basis: &Basis, middle: &Ray, pair: UnitPair) -> Ray {
         let [x, y] = disc(pair).map(|part| self.aperture / 2.0 * part);
         let shift = x * basis.u + y * basis.v;

@@ -44,8 +44,8 @@ impl PerspectiveCamera {
         })
     }
 
-    /// Gives the camera a thin lens, which it has where light follows paths: what lies at the distance `focus`
-    /// along the line of sight is sharp. `aperture` is its diameter; both are in units of the scene.
+    /// Gives the camera a thin lens, which it has where light follows paths: `aperture` is its diameter, `focus`
+    /// the distance of the plane of focus along the line of sight, both in units of the scene.
     ///
     /// # Errors
     ///
@@ -56,7 +56,7 @@ impl PerspectiveCamera {
         Ok(Self { lens, ..self })
     }
 
-    /// The diameter of the lens and the distance at which it is sharp, unless the diameter is 0.
+    /// The diameter of the lens and the distance of its plane of focus, unless the diameter is 0.
     pub fn lens(&self) -> Option<[f64; 2]> {
         self.lens.map(|lens| [lens.aperture(), lens.focus()])
     }

@@ -28,11 +28,11 @@ pub struct PathOptions {
     pub clamp: Option<f64>,
     /// The seed of the numbers of all paths.
     pub seed: u32,
-    /// Where in a pixel, or around it, its paths begin.
+    /// The distribution of paths around the center of a pixel.
     pub filter: PixelFilter,
 }
 
-/// Where the paths of a pixel begin.
+/// The distribution of paths around the center of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PixelFilter {
     /// Evenly over the pixel.

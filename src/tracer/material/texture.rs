@@ -27,6 +27,9 @@ pub enum Texture {
     Image(ImageTexture),
 }
 
+/// A texture and the coordinates that it is drawn by.
+pub(crate) type MappedTexture = (Texture, TextureMapping);
+
 /// A checkerboard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
@@ -42,7 +45,7 @@ pub struct ImageTexture {
     pub texels: Texels,
     /// True to blend between the centers of pixels; false for the nearest one.
     pub is_smooth: bool,
-    /// What lies beside the picture.
+    /// The continuation beyond the border of the picture.
     pub wrap: TexelWrap,
 }
 
@@ -205,11 +208,7 @@ impl TextureMapping {
 }
 
 impl Textured {
-    pub(crate) fn new(
-        material: Material,
-        (texture, mapping): (Texture, TextureMapping),
-        shape: Shape,
-    ) -> Self {
+    pub(crate) fn new(material: Material, (texture, mapping): MappedTexture, shape: Shape) -> Self {
         Self {
             material,
             texture,

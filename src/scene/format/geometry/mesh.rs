@@ -149,7 +149,7 @@ impl GeometryKind for MeshModel {
 
 impl MeshModel {
     /// What determines the colors of the vertices, if it is in the file, and is read.
-    pub(super) fn vertex_colors(&self) -> Option<VertexColors> {
+    fn vertex_colors(&self) -> Option<VertexColors> {
         match &self.file.as_ref()?.mesh.as_ref()?.vertices {
             OfVertices::Nothing => None,
             OfVertices::Colors(colors) => Some(VertexColors::Colors(Arc::clone(colors))),

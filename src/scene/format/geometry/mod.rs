@@ -209,33 +209,22 @@ impl GeometryModel {
         }
         if let Self::Mesh(mesh) = self {
             let material = || materials.build(self.surface());
-            let texture = self.surface().material;
-            let texture = || texture.map_or(Ok(None), |material| materials.texture(material));
             let shape = mesh.shape()?;
             return Some(shape.and_then(|shape| {
-                let built = mesh.build(shape, material()?);
-                Ok(match texture()? {
-                    Some((texture, mapping)) if mesh.vertex_colors().is_none() => {
-                        built.textured(texture, mapping)
-                    }
-                    _ => built,
-                })
+                let texture = materials.texture(self.surface())?;
+                Ok(mesh.build(shape, material()?).dressed(texture))
             }));
         }
         let material = match materials.build(self.surface()) {
             Ok(material) => material,
             Err(error) => return Some(Err(error)),
         };
-        let texture = self.surface().material;
-        let texture = texture.map_or(Ok(None), |material| materials.texture(material));
+        let texture = materials.texture(self.surface());
         if !matches!(texture, Ok(None)) {
-            return Some(self.any_shape()?.and_then(|shape| {
-                let geometry = Geometry::new(shape, material);
-                Ok(match texture? {
-                    Some((texture, mapping)) => geometry.textured(texture, mapping),
-                    None => geometry,
-                })
-            }));
+            return Some(
+                self.any_shape()?
+                    .and_then(|shape| Ok(Geometry::new(shape, material).dressed(texture?))),
+            );
         }
         // For each kind apart: to move a shape would take as long as to build it.
         of_each!(self, geometry => {

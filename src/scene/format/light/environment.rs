@@ -6,12 +6,12 @@ use crate::{
     scene::format::{
         light::kind::{LightKind, light},
         object::object,
-        picture::{ENDINGS, SkyFileModel},
+        picture::{ENDINGS, PictureFileModel},
         sight::UP,
     },
     tracer::{
         error::GeometryError,
-        light::{Environment, Light, Sky},
+        light::{Environment, Light, Sky, picture::SkyPicture},
     },
 };
 
@@ -23,7 +23,7 @@ light! {
         sky: Thing(SkyModel)?,
         /// A picture of all directions, its first row the zenith: a path from the folder of the scene to a file
         /// .exr, .hdr, .pfm, .png or .jpg, with `/` between its parts.
-        image | map | file: File { ENDINGS }(SkyFileModel)?,
+        image | map | file: File { ENDINGS }(PictureFileModel<SkyPicture>)?,
         /// The turn of the picture about the zenith in degrees, counterclockwise as seen from there; 0 is the
         /// default: its middle lies in the direction (0, 0, -1).
         rotation: Number = 0.0,
@@ -51,7 +51,7 @@ object! {
 
 impl LightKind for EnvironmentLightModel {
     fn build(&self) -> Result<Light, GeometryError> {
-        let picture = self.image.as_ref().and_then(|image| image.picture.as_ref());
+        let picture = self.image.as_ref().and_then(|image| image.content.as_ref());
         let up = DVec3::from(self.up());
         let environment = match (&self.sky, picture) {
             (_, Some(picture)) => {

@@ -27,6 +27,10 @@ impl MaterialKind for EmissiveModel {
         Emissive::new(or_white(self.color.as_ref()), self.intensity()).map(Material::from)
     }
 
+    fn emits(&self) -> bool {
+        true
+    }
+
     fn texture(&self) -> Option<&TextureModel> {
         self.texture.as_deref()
     }

@@ -22,6 +22,10 @@ impl MaterialKind for FlatModel {
         Ok(Material::Flat(or_white(self.color.as_ref())))
     }
 
+    fn emits(&self) -> bool {
+        true
+    }
+
     fn texture(&self) -> Option<&TextureModel> {
         self.texture.as_deref()
     }

@@ -28,6 +28,11 @@ pub(crate) trait MaterialKind {
         None
     }
 
+    /// Returns true if it is bright whatever light falls on it.
+    fn emits(&self) -> bool {
+        false
+    }
+
     /// Returns true if light goes through.
     fn is_glass(&self) -> bool {
         false

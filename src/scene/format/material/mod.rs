@@ -32,10 +32,7 @@ use crate::{
     },
     tracer::{
         error::GeometryError,
-        material::{
-            Material,
-            texture::{Texture, TextureMapping},
-        },
+        material::{Material, texture::MappedTexture},
     },
 };
 
@@ -120,9 +117,6 @@ impl Surface<'_> {
     }
 }
 
-/// A texture and its coordinates, built.
-pub(crate) type MappedTexture = (Texture, TextureMapping);
-
 /// The materials of a scene and their textures, built.
 #[derive(Debug, Default)]
 pub(crate) struct Materials(HashMap<Box<str>, (Material, Option<MappedTexture>)>);
@@ -149,14 +143,13 @@ impl Materials {
         }
     }
 
-    /// Builds the texture of a material, if it has one.
-    pub(crate) fn texture(
-        &self,
-        material: &MaterialModel,
-    ) -> Result<Option<MappedTexture>, GeometryError> {
-        match material.described() {
-            Ok(material) => texture_of(material),
-            Err(name) => Ok(self.0.get(name).and_then(|(_, texture)| texture.clone())),
+    /// Builds the texture of a surface, if it has one.
+    #[inline]
+    pub(crate) fn texture(&self, surface: Surface) -> Result<Option<MappedTexture>, GeometryError> {
+        match surface.material.map(|material| material.described()) {
+            None => Ok(None),
+            Some(Ok(material)) => texture_of(material),
+            Some(Err(name)) => Ok(self.0.get(name).and_then(|(_, texture)| texture.clone())),
         }
     }
 
