@@ -1,7 +1,7 @@
 //! The sRGB curve (IEC 61966-2-1) between linear light and display values, both in 0..1, and the
 //! conversion of display values to integers.
 
-use std::{array, sync::OnceLock};
+use std::{array, cell::Cell, sync::OnceLock};
 
 /// Returns the linear light of a display value: `c/12.92` for `c <= 0.04045`, else
 /// `((c+0.055)/1.055)^2.4`.
@@ -13,7 +13,13 @@ pub(crate) fn to_linear(display: f64) -> f64 {
     }
 }
 
-/// Returns [`to_linear`] of a display value, but faster for bytes, which most colors consist of.
+thread_local! {
+    /// Display values that are no bytes, with their linear light. One of them replaces another.
+    static KNOWN: [Cell<(f64, f64)>; 256] = const { [const { Cell::new((0.0, 0.0)) }; 256] };
+}
+
+/// Returns [`to_linear`] of a display value, but faster for bytes, which most colors consist of, and for the
+/// last values that a thread has asked for.
 pub(crate) fn linear_of(display: f64) -> f64 {
     // In a box, as all other tables: memory of its own would be in the file of the program.
     static BYTES: OnceLock<Box<[(f64, f64); 256]>> = OnceLock::new();
@@ -25,7 +31,15 @@ pub(crate) fn linear_of(display: f64) -> f64 {
     });
     match bytes[quantize(display, u8::MAX.into()) as usize] {
         (same, linear) if same == display => linear,
-        _ => to_linear(display),
+        _ => KNOWN.with(|known| {
+            // The upper bits of a product depend on all bits of its factors.
+            let place = display.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56;
+            let known = &known[place as usize];
+            if known.get().0 != display {
+                known.set((display, to_linear(display)));
+            }
+            known.get().1
+        }),
     }
 }
 
@@ -176,6 +190,11 @@ mod tests {
             assert_eq!(linear_of(display), to_linear(display));
             let back = to_display(to_linear(display));
             assert!((back - display).abs() < 1e-7, "{byte}: {back}");
+        }
+        let mut random = Rng(8);
+        let others: Vec<_> = (0..cases(2000)).map(|_| random.signed().abs()).collect();
+        for display in others.iter().chain(&others) {
+            assert_eq!(linear_of(*display), to_linear(*display));
         }
         // Middle gray, the 18 % of a print.
         assert!((to_display(0.18) * 255.0 - 117.65).abs() < 0.01);

@@ -107,9 +107,9 @@ impl<Q: Queries> PathTracer<'_, Q> {
             frame,
             lobes: VertexLobes::Glass(glass),
         };
-        self.shine(&vertex, state, sampler);
-        let [_, u] = sampler.at(path.depth, Purpose::Choice);
-        let l = glass.sample(u, sampler.at(path.depth, Purpose::Direction))?;
+        let [emitter, lobe] = sampler.at(path.depth, Purpose::Choice);
+        self.shine(&vertex, emitter, state, sampler);
+        let l = glass.sample(lobe, sampler.at(path.depth, Purpose::Direction))?;
         self.scatter(&vertex, l, state, sampler)
     }
 }

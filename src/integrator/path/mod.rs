@@ -430,8 +430,8 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             frame,
             lobes: VertexLobes::Opaque(bsdf),
         };
-        self.shine(&vertex, state, sampler);
-        let [_, lobe] = sampler.at(path.depth, Purpose::Choice);
+        let [emitter, lobe] = sampler.at(path.depth, Purpose::Choice);
+        self.shine(&vertex, emitter, state, sampler);
         match bsdf.sample(lobe, sampler.at(path.depth, Purpose::Direction)) {
             Onto::Mirror(factor) => mirrored(state, factor),
             Onto::Direction(l, is_diffuse) => {
@@ -493,10 +493,9 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     }
 
     /// Adds the light of an emitter that is chosen by a number, and of the headlights.
-    fn shine(&self, vertex: &PathVertex, state: &mut PathState, sampler: &Sampler) {
+    fn shine(&self, vertex: &PathVertex, u: f64, state: &mut PathState, sampler: &Sampler) {
         let surface = vertex.surface;
         let path = surface.path;
-        let [u, _] = sampler.at(path.depth, Purpose::Choice);
         if !state.has_scattered && self.headlight != Radiance::BLACK {
             let scattering = vertex.from(surface.v);
             let light = path.factor * scattering.all * PI * self.headlight;

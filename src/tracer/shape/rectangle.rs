@@ -148,12 +148,15 @@ impl Planar for Rectangle {
     /// Returns the `t` at which the ray's line hits the rectangle.
     #[inline]
     fn t(&self, ray: &Ray) -> Option<f64> {
-        let sheared = Sheared::new(ray);
-        let mut halves = self.halves().into_iter();
-        let (above, down) = self.unit_plane.terms(ray);
-        if down == 0.0 || !halves.any(|half| sheared.edges(half.each_ref()).is_hit()) {
+        // Nearly all rays that miss it miss the box around it, too, which is sooner known.
+        let t = self.unit_plane.t(ray)?;
+        if !self.around.holds(ray, t) {
             return None;
         }
-        Some(above / down).filter(|t| self.around.holds(ray, *t))
+        let sheared = Sheared::new(ray);
+        let mut halves = self.halves().into_iter();
+        halves
+            .any(|half| sheared.edges(half.each_ref()).is_hit())
+            .then_some(t)
     }
 }

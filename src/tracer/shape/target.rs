@@ -169,7 +169,6 @@ impl Target {
 
     /// Returns an estimate of the irradiance at a point from light 1 of the face.
     pub(crate) fn weight(&self, point: DVec3) -> f64 {
-        let squared = |to: DVec3| to.dot(to);
         match self {
             Self::Ball { center, radius } => {
                 let cone = ConeOfDirections::of_ball(point, *center, *radius);
@@ -178,15 +177,15 @@ impl Target {
             Self::Flat(flat) => {
                 let (to, area) = (flat.middle - point, flat.area);
                 let cosine = match is_direction(to) {
-                    true => flat.normal.dot(unit(to)).abs(),
+                    true => flat.normal.dot(to).abs() / to.length(),
                     false => 1.0,
                 };
                 let seen = AT_ANY_ANGLE + (1.0 - AT_ANY_ANGLE) * cosine;
-                area * seen / squared(to).max(area)
+                area * seen / to.length_squared().max(area)
             }
             Self::Side { .. } | Self::Capsule { .. } => {
                 let area = self.area();
-                area / squared(self.middle() - point).max(area)
+                area / (self.middle() - point).length_squared().max(area)
             }
         }
     }
