@@ -38,7 +38,10 @@ impl<'a> Crossings<'a> {
     /// Returns the crossings with `0 < t < t_max`, from near to far.
     pub(crate) fn in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
         let spans = self.spans(t_max);
+        // Of an intersection of many parts, nearly all ends lie outside of the others.
+        let [low, high] = self.solid.root.range(&spans);
         let ends = ends_after(0.0, &spans).into_iter();
+        let ends = ends.filter(move |t| (low..=high).contains(t));
         let ends = ends.take_while(move |t| in_front(*t, t_max).is_some());
         ends.filter_map(move |t| self.at(t, &spans))
     }

@@ -8,7 +8,7 @@ use crate::tracer::{
     shape::{
         Shape,
         solid::{Operation, part::SolidPart},
-        span::Side,
+        span::{Side, Span},
         sphere::Sphere,
     },
     transform::Transform,
@@ -94,6 +94,46 @@ impl Node {
                     let [one, other] = sides(cut);
                     [inside & other, outside | one]
                 })
+            }
+        }
+    }
+
+    /// Returns the least and the largest `t` that may be inside of it, given the spans of some parts, in their
+    /// order.
+    pub(super) fn range(&self, spans: &[(usize, Span)]) -> [f64; 2] {
+        const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+        let around =
+            |[low, high]: [f64; 2], [least, most]: [f64; 2]| [low.min(least), high.max(most)];
+        let of = match self {
+            Self::Part(_) => {
+                let spans = spans.iter().map(|(_, span)| [span.enter.t, span.exit.t]);
+                return spans.fold(NONE, around);
+            }
+            Self::Of(of) => of,
+        };
+        let mut met = of.met(spans);
+        let range = |(_, (node, spans)): (usize, (&Self, _))| node.range(spans);
+        match of.operation {
+            Operation::Union => met.map(range).fold(NONE, around),
+            Operation::Intersection => {
+                let mut count = 0;
+                let all = met.fold(
+                    [f64::NEG_INFINITY, f64::INFINITY],
+                    |[low, high], operand| {
+                        count += 1;
+                        let [least, most] = range(operand);
+                        [low.max(least), high.min(most)]
+                    },
+                );
+                if count == of.operands.len() {
+                    all
+                } else {
+                    NONE
+                }
+            }
+            Operation::Difference => {
+                let first = met.next().filter(|(operand, _)| *operand == 0);
+                first.map_or(NONE, range)
             }
         }
     }
