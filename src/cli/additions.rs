@@ -1,10 +1,11 @@
-//! `--lights` and `--outlines`: what a picture shows and the scene does not have.
+//! `--lights`, `--look` and `--outlines`: what a picture shows and the scene does not have.
 
 use std::path::Path;
 
-use strahl::{Document, ReadOptions};
+use clap::builder::TypedValueParser;
+use strahl::{Document, ReadOptions, scene::Look};
 
-use super::failure::Failure;
+use super::{failure::Failure, words::one_of};
 
 /// What is added to a scene.
 #[derive(clap::Args)]
@@ -13,6 +14,10 @@ pub(super) struct AdditionArgs {
     /// Light a scene that has no `lights`, without editing it
     #[arg(long, value_name = "NAME", value_enum)]
     lights: Option<Lights>,
+    /// Light the scene by a look, in place of its own lights: `studio` is a sky and a soft sun, by 256 paths per
+    /// pixel
+    #[arg(long, value_name = "NAME", value_parser = looks(), conflicts_with = "lights")]
+    look: Option<Look>,
     /// Draw outlines, the default ones where the scene has no `outlines`
     #[arg(long)]
     outlines: bool,
@@ -25,6 +30,11 @@ enum Lights {
     Headlight,
 }
 
+/// Returns the parser of an option that names a look.
+pub(super) fn looks() -> impl TypedValueParser<Value = Look> {
+    one_of(Look::ALL.iter().copied(), |look| look.name().into())
+}
+
 impl AdditionArgs {
     /// Adds these to the options for reading scenes.
     pub(super) fn of(&self, options: ReadOptions) -> ReadOptions {
@@ -32,7 +42,8 @@ impl AdditionArgs {
             Some(Lights::Headlight) => true,
             None => false,
         };
-        options.headlight(headlight).outlines(self.outlines)
+        let options = options.headlight(headlight).look(self.look);
+        options.outlines(self.outlines)
     }
 
     /// Rejects `--lights` for a scene with lights.

@@ -6,11 +6,16 @@ use std::{
 };
 
 use strahl::{
-    Document, Syntax, diagnostic::folder_of, image_file::write_file, jobs::Config,
-    scene::LostComments, text::sanitize,
+    Document, Syntax,
+    diagnostic::folder_of,
+    image_file::write_file,
+    jobs::Config,
+    scene::{Look, LostComments},
+    text::sanitize,
 };
 
 use super::{
+    additions::looks,
     failure::Failure,
     interrupt,
     paths::{is_dash, is_same},
@@ -34,6 +39,9 @@ pub(crate) struct Args {
     /// Replace each camera `Fit` by the camera that it becomes in a picture of the scene's size
     #[arg(long)]
     explicit_camera: bool,
+    /// Write the lights of a look in place of those of the scene; see `strahl render --help`
+    #[arg(long, value_name = "NAME", value_parser = looks())]
+    look: Option<Look>,
     #[command(flatten)]
     tables: TableArgs,
     /// Convert even if comments are lost
@@ -69,6 +77,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         true => explicit(&document, &args)?,
         false => document,
     };
+    let document = match args.look {
+        Some(look) => with_look(&document, look, &args)?,
+        None => document,
+    };
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
         // Paths stay as they are written: they are relative to the folder of the new scene.
         let tables = document.table_names().chain(document.copy_table_names());
@@ -103,6 +115,19 @@ fn explicit(document: &Document, args: &Args) -> Result<Document, Failure> {
             "they are in the camera that is replaced",
         )),
         None => Ok(explicit),
+    }
+}
+
+/// Returns the scene with the lights of a look.
+fn with_look(document: &Document, look: Look, args: &Args) -> Result<Document, Failure> {
+    let (lit, lost) = document.with_look(look)?;
+    match lost.filter(|_| !args.force) {
+        Some(lost) => Err(lost_comments(
+            args,
+            lost,
+            "they are in the lights that are replaced",
+        )),
+        None => Ok(lit),
     }
 }
 

@@ -6,7 +6,7 @@ use strahl::{
     Syntax,
     image_file::write_file,
     parallel::Cancel,
-    scene::{SCHEMA_URL, new_lit_scene, new_scene},
+    scene::{SCHEMA_URL, new_lit_scene, new_path_scene, new_scene},
 };
 
 use super::{failure::Failure, paths::is_dash, scene::report_written};
@@ -20,13 +20,17 @@ pub(crate) struct Args {
     /// Write a scene with lights, gold, glass and a mirror
     #[arg(long)]
     lit: bool,
+    /// Write a scene whose light follows paths, with a sky, a lamp, gold and frosted glass
+    #[arg(long, conflicts_with = "lit")]
+    path: bool,
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let file = &args.file;
-    let scene = match args.lit {
-        true => new_lit_scene,
-        false => new_scene,
+    let scene = match (args.lit, args.path) {
+        (true, _) => new_lit_scene,
+        (false, true) => new_path_scene,
+        (false, false) => new_scene,
     };
     if is_dash(file) {
         return super::output::print(scene(Syntax::Ron));

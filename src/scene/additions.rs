@@ -16,6 +16,7 @@ use crate::{
             scene::Model,
             sight::UP,
         },
+        look::Look,
         options::ReadOptions,
         path::{self, PathPart},
     },
@@ -26,6 +27,7 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Additions {
     headlight: bool,
+    look: Option<Look>,
     outlines: bool,
     /// The direction that all cameras frame the scene from.
     fit: Option<Triple>,
@@ -43,6 +45,9 @@ impl Additions {
         }
         if let Some(from) = self.fit {
             fit(model, from);
+        }
+        if let Some(look) = self.look {
+            look.light(model);
         }
     }
 }
@@ -128,6 +133,22 @@ impl ReadOptions {
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
         headlight(add: bool) => additions.headlight = add;
+
+        /// Lights a scene by a look, in place of its own lights and of its `lighting`.
+        ///
+        /// # Examples
+        ///
+        /// ```
+        /// use strahl::{Document, ReadOptions, Scene, Syntax, scene::Look};
+        ///
+        /// let text = "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30), \
+        ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\")])";
+        /// let options = ReadOptions::new().syntax(Syntax::Ron).look(Look::Studio);
+        /// let scene = Scene::try_from(Document::from_reader("a.ron", text.as_bytes(), &options)?)?;
+        /// assert_eq!(scene.world().lights().len(), 2);
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
+        look(look: impl Into<Option<Look>>) => additions.look = look.into();
 
         /// Adds the default outlines to a scene that has no `outlines`.
         outlines(add: bool) => additions.outlines = add;

@@ -36,6 +36,23 @@ pub const fn new_lit_scene(syntax: Syntax) -> &'static str {
     }
 }
 
+/// Returns a small scene whose light follows paths; in RON, comments explain it.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Document, Syntax, scene::new_path_scene};
+///
+/// let document = Document::from_text("new.ron", new_path_scene(Syntax::Ron), Syntax::Ron);
+/// assert!(document.diagnostics().is_empty() && document.has_lights());
+/// ```
+pub const fn new_path_scene(syntax: Syntax) -> &'static str {
+    match syntax {
+        Syntax::Ron => include_str!("new_path.ron"),
+        Syntax::Json => include_str!("new_path.json"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,7 +61,8 @@ mod tests {
     #[test]
     fn new_scenes_have_no_faults_and_are_formatted() {
         for syntax in Syntax::ALL {
-            for text in [new_scene(*syntax), new_lit_scene(*syntax)] {
+            for new in [new_scene, new_lit_scene, new_path_scene] {
+                let text = new(*syntax);
                 let document = Document::from_text("new", text, *syntax);
                 assert_eq!(document.diagnostics(), []);
                 assert_eq!(document.format().as_deref(), Some(text));

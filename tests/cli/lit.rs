@@ -1,4 +1,4 @@
-//! Lit pictures: `--lights`, `--outlines`, `new --lit`, and values of lights by `--set` and `--params`.
+//! Lit pictures: `--lights`, `--look`, `--outlines`, `new --lit`, `new --path`, and values of lights by `--set` and `--params`.
 
 use std::fs;
 
@@ -71,6 +71,46 @@ fn a_lit_scene_takes_no_other_lights() {
 }
 
 #[test]
+fn a_look_replaces_all_light() {
+    let options = ["--look", "studio", "--samples", "2"];
+    let flat = picture(&folder(""), "flat.ron", &options);
+    for fields in [
+        "",
+        "lights: [Point(position: (0, 1, 0))], lighting: Direct(max_depth: 3),",
+    ] {
+        let folder = folder(fields);
+        let text = fs::read_to_string(folder.path("lit.ron")).unwrap();
+        let sampled = text.replace("height: 24", "height: 24, samples: 4");
+        assert_ne!(sampled, text);
+        folder.write("lit.ron", sampled);
+        assert_eq!(picture(&folder, "lit.ron", &options), flat, "{fields}");
+        for written in ["out.ron", "out.json"] {
+            let convert = ["convert", "--look", "studio", "lit.ron", written];
+            assert_eq!(run(&mut folder.strahl(convert)).status, Some(0));
+            let drawn = picture(&folder, written, &["--samples", "2", "--quiet"]);
+            assert_eq!(drawn, flat, "{fields} {written}");
+        }
+    }
+}
+
+#[test]
+fn a_look_loses_neither_comments_nor_tracks_unasked() {
+    let folder = folder("lights: [/* mine */ Point(position: (0, 1, 0), name: \"lamp\")],");
+    let convert = ["convert", "--look", "studio", "lit.ron", "out.ron"];
+    let done = run(&mut folder.strahl(convert));
+    done.failure(2, &["1 comment, the first in line", "--force"]);
+    assert!(!folder.path("out.ron").exists());
+    let forced = run(&mut folder.strahl(convert.into_iter().chain(["--force"])));
+    assert_eq!(forced.status, Some(0));
+    let track = "lights: [Point(position: (0, 1, 0), name: \"lamp\")], animation: (frames: 2, \
+        tracks: {\"lights.lamp.intensity\": [(0, 1), (1, 2)]}),";
+    let folder = self::folder(track);
+    run(&mut folder.strahl(convert)).failure(2, &["`lights.lamp.intensity`", "remove the track"]);
+    let options = ["--look", "studio", "--samples", "1", "--frames", "1"];
+    picture(&folder, "lit.ron", &options);
+}
+
+#[test]
 fn each_row_of_a_table_sets_a_light() {
     let fields = "lights: [Point(position: (0, 1, 0), name: \"lamp\")], \
         materials: {\"shiny\": Phong(diffuse: \"#888\")},";
@@ -108,17 +148,21 @@ fn each_row_of_a_table_sets_a_light() {
 
 #[test]
 fn a_new_lit_scene_is_drawn_without_a_warning() {
-    let folder = Folder::new();
-    for scene in ["new.ron", "new.json"] {
-        run(&mut folder.strahl(["new", "--lit", scene])).quiet_success();
-        let done = run(&mut folder.strahl(["validate", "--deny", "warnings", scene]));
-        assert_eq!(done.status, Some(0), "{}", done.stderr);
+    for (option, size) in [
+        ("--lit", &["--size", "16x12"][..]),
+        ("--path", &["--size", "16x12", "--samples", "4"]),
+    ] {
+        let folder = Folder::new();
+        for scene in ["new.ron", "new.json"] {
+            run(&mut folder.strahl(["new", option, scene])).quiet_success();
+            let done = run(&mut folder.strahl(["validate", "--deny", "warnings", scene]));
+            assert_eq!(done.status, Some(0), "{}", done.stderr);
+        }
+        let both = ["new.ron", "new.json"].map(|scene| picture(&folder, scene, size));
+        assert_eq!(both[0], both[1], "{option}");
+        let done = run(&mut folder.strahl(["new", option, "-"]));
+        assert_eq!(done.stdout, fs::read(folder.path("new.ron")).unwrap());
     }
-    let small = ["--size", "16x12"];
-    let both = ["new.ron", "new.json"].map(|scene| picture(&folder, scene, &small));
-    assert_eq!(both[0], both[1]);
-    let done = run(&mut folder.strahl(["new", "--lit", "-"]));
-    assert_eq!(done.stdout, fs::read(folder.path("new.ron")).unwrap());
 }
 
 #[test]

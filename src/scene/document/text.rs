@@ -4,7 +4,7 @@
 use std::{ops::Range, sync::Arc};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, error::Error},
+    diagnostic::{Code, Diagnostic, error::Error, path::Path},
     parallel::timings::Timings,
     scene::{
         animation::frames::Frames,
@@ -15,6 +15,7 @@ use crate::{
         format::{camera::CameraModel, scene::Model},
         framing::{Framing, Known, Subject},
         locate::{path_at, range_of},
+        look::{Look, changes_light},
         origin::Origin,
         path,
         source::Source,
@@ -191,12 +192,72 @@ impl Document {
                 convert::short(&explicit, self.syntax()),
             )]);
         }
-        let lost = lost.first().map(|first| LostComments {
-            count: lost.len(),
-            line: self.lines().position(first.start).line,
-        });
         let edits = edits.iter().map(|edits| &**edits);
-        Ok((self.edited(edits)?, lost))
+        Ok((self.edited(edits)?, self.lost(&lost)))
+    }
+
+    /// Returns what is lost with comments, given their ranges.
+    fn lost(&self, comments: &[Range<usize>]) -> Option<LostComments> {
+        comments.first().map(|first| LostComments {
+            count: comments.len(),
+            line: self.lines().position(first.start).line,
+        })
+    }
+
+    /// Writes a look in place of the lights and of the `lighting` of the text, then reads and checks it again
+    /// with the same options. Returns the comments that are lost, those within what is replaced.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the scene has errors, or if an animation changes its lights.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax, scene::Look};
+    ///
+    /// let text = "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30), lights: [], geometries: [])";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let (lit, lost) = document.with_look(Look::Studio)?;
+    /// assert!(lit.text().contains("lighting: Path(samples:256), geometries: []"));
+    /// assert_eq!((lit.diagnostics(), lost), (vec![], None));
+    /// # Ok::<(), strahl::diagnostic::Error>(())
+    /// ```
+    pub fn with_look(&self, look: Look) -> Result<(Self, Option<LostComments>), Error> {
+        let (model, _) = self.model_and_tables()?;
+        let frames = Frames::of(&model);
+        let mut tracks = frames
+            .iter()
+            .flat_map(Frames::targets)
+            .map(|(track, _)| track);
+        if let Some(track) = tracks.find(|track| changes_light(track)) {
+            return Err(Error::refused(format!(
+                "{}: the lights cannot be replaced, because the track `{track}` changes them; remove the track",
+                self.name()
+            )));
+        }
+        let (syntax, tree) = (self.syntax(), self.source.tree());
+        let fields = [
+            ("lights", convert::short(&look.lights(&model), syntax)),
+            ("lighting", convert::short(&look.lighting(), syntax)),
+        ];
+        let range = |name| range_of(self.text(), tree, Path::ROOT.field(name).steps());
+        let (mut edits, mut lost, mut added) = (Vec::new(), Vec::new(), String::new());
+        for (name, value) in fields {
+            match range(name) {
+                Some(range) => {
+                    lost.extend(tree.comments_in(range.clone()).iter().map(Comment::range));
+                    edits.push(Edit::replace(range, value));
+                }
+                None => added += &format!("{}{value}, ", syntax.key(name)),
+            }
+        }
+        let list = range(Model::LONG);
+        let mut fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
+        if let Some((key, _)) = fields.find(|(_, value)| Some(tree.node(*value).range()) == list) {
+            edits.push(Edit::insert(tree.node(key).range().start, added));
+        }
+        Ok((self.edited([&*edits])?, self.lost(&lost)))
     }
 
     /// The lines of the text.

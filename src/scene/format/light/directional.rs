@@ -10,6 +10,7 @@ use crate::{
 
 light! {
     /// Parallel light, as from the sun.
+    #[derive(Default)]
     pub struct DirectionalLightModel = "Directional" {
         /// The direction that the light travels in, of any length.
         direction: Direction,

@@ -18,6 +18,7 @@ use crate::{
 light! {
     /// Light from the surroundings, where light follows paths: rays that hit nothing show it. At most one
     /// light is of this kind. It has a `color`, a `sky` or an `image`.
+    #[derive(Default)]
     pub struct EnvironmentLightModel = "Environment" {
         /// The colors of a sky; give this, `color` or `image`.
         sky: Thing(SkyModel)?,
