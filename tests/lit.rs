@@ -1,7 +1,8 @@
 //! Lit pictures, made with the library.
 
 use strahl::{
-    Camera, Color, Geometry, Lighting, PerspectiveCamera, Plane, RayTracer, Sphere, Vec3, World,
+    Camera, Color, Geometry, ImageFormat, Lighting, PerspectiveCamera, Plane, RayTracer,
+    RenderOptions, Scene, Sphere, Syntax, Vec3, World,
     film::{Outlines, Samples},
     light::{Ambient, Falloff, Light, Point},
     material::{Glass, Material, Phong},
@@ -138,4 +139,32 @@ fn a_line_where_balls_cut_each_other_is_as_wide_as_any_other() {
         }
         assert!(ink > 300.0, "{depth}: {ink}");
     }
+}
+
+/// A box with a small lamp and a ball of glass, whose caustic is noisy.
+const LAMP: &str = include_str!("golden/paths/noise.ron");
+
+/// Returns the mean light of a picture.
+fn mean_light(lighting: &str) -> f64 {
+    let text = LAMP.replace("samples: 256, noise: 0.1", lighting);
+    let text = text.replace("width: 48, height: 36", "width: 32, height: 24");
+    let scene = Scene::from_text(text, Syntax::Ron).unwrap();
+    let mut file = Vec::new();
+    scene
+        .write_with(&mut file, ImageFormat::PFM, &RenderOptions::new())
+        .unwrap();
+    let numbers = &file[file.len() - 32 * 24 * 3 * 4..];
+    let numbers = numbers.as_chunks::<4>().0.iter();
+    numbers
+        .map(|bytes| f64::from(f32::from_le_bytes(*bytes)))
+        .sum()
+}
+
+// A block that is dark by chance ends early: a bias, which single pixels would make twenty times as large.
+#[test]
+fn less_noise_does_not_change_the_mean() {
+    let all = mean_light("samples: 1024");
+    let fewer = mean_light("samples: 1024, noise: 0.05");
+    let bias = fewer / all - 1.0;
+    assert!(bias != 0.0 && bias.abs() < 0.002, "{bias}");
 }

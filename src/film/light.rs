@@ -18,6 +18,10 @@ pub(crate) struct LightPlanes {
     /// The part of a transparent background that shows in these samples, in mirrors and through
     /// glass: the mean of the channels.
     pub(crate) behind: Vec<f64>,
+    /// The standard error of the mean of all light, by channel; empty unless light follows paths.
+    pub(crate) error: [Vec<f64>; 3],
+    /// The number of samples; empty unless light follows paths.
+    pub(crate) samples: Vec<f64>,
 }
 
 /// The light of neighboring pixels, as in [`LightPlanes`].
@@ -27,6 +31,8 @@ pub(crate) struct LightRun<'a> {
     pub(crate) albedo: [&'a [f64]; 3],
     pub(crate) coverage: &'a [f64],
     pub(crate) behind: &'a [f64],
+    pub(crate) error: [&'a [f64]; 3],
+    pub(crate) samples: &'a [f64],
 }
 
 impl LightPlanes {
@@ -38,6 +44,8 @@ impl LightPlanes {
             albedo: channels(&self.albedo, &pixels),
             coverage: of(&self.coverage, &pixels),
             behind: of(&self.behind, &pixels),
+            error: channels(&self.error, &pixels),
+            samples: of(&self.samples, &pixels),
         }
     }
 }

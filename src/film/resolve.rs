@@ -71,15 +71,25 @@ const KNOWN: usize = 256;
 
 impl Resolver<'_> {
     /// Returns the resolved pixels, from the geometries that their samples see, in the order of
-    /// rows.
+    /// rows, and the number of samples of each.
     ///
     /// The light of the samples is added in that order and divided by their number, as in a sensor.
     /// Display values are not amounts of light: their mean at an edge of black and white would show
     /// a fifth of the light instead of half of it. If all samples have the same color, the result
     /// is exactly that color.
-    pub(crate) fn resolve(self, seen: &[u32], samples: usize) -> impl Iterator<Item = Resolved> {
+    pub(crate) fn resolve(
+        self,
+        mut seen: &[u32],
+        counts: impl Iterator<Item = usize>,
+    ) -> impl Iterator<Item = Resolved> {
         let mut known = [(None, Color::BLACK, Radiance::BLACK); KNOWN];
-        seen.chunks_exact(samples).map(move |seen| {
+        let of_pixels = counts.map(move |count| {
+            let (of_pixel, others) = seen.split_at(count);
+            seen = others;
+            of_pixel
+        });
+        of_pixels.map(move |seen| {
+            let samples = seen.len();
             let mut known = |index: u32| {
                 let place = &mut known[index as usize % KNOWN];
                 if place.0 != Some(index) {
@@ -155,6 +165,8 @@ fn ranks(seen: &[u32]) -> Vec<(u32, f64)> {
 
 #[cfg(test)]
 mod tests {
+    use std::iter;
+
     use glam::DVec3;
 
     use super::*;
@@ -164,7 +176,9 @@ mod tests {
     fn half_black_and_half_white_is_half_the_light() {
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let world = World::new(vec![Geometry::new(ball, Color::WHITE)], Color::BLACK);
-        let mix = |resolver: Resolver, seen: &[u32]| resolver.resolve(seen, 4).next().unwrap();
+        let mix = |resolver: Resolver, seen: &[u32]| {
+            resolver.resolve(seen, iter::once(4)).next().unwrap()
+        };
         let half = mix(Resolver::new(&world), &[0, NOTHING, NOTHING, 0]);
         assert_eq!((half.light.channels, half.coverage), ([0.5; 3], 0.5));
         assert_eq!(half.color.to_rgb8(), [188; 3], "not 128");
@@ -190,7 +204,8 @@ mod tests {
         let geometry = Geometry::new(ball, color);
         let world = World::new(vec![geometry; 3], Color::BLACK);
         let seen = [0, 1, 2, 1, 0, 0, 0, 2, 2];
-        let resolved = Resolver::new(&world).resolve(&seen, 9).next().unwrap();
+        let mut resolved = Resolver::new(&world).resolve(&seen, iter::once(9));
+        let resolved = resolved.next().unwrap();
         assert_eq!(resolved.color, PixelColor::Display(color));
         assert_eq!(resolved.light, color.to_linear());
     }

@@ -191,6 +191,7 @@ impl Fingerprint {
             diffuse_depth,
             caustics,
             clamp,
+            noise,
             seed,
             filter,
         } = match transport {
@@ -205,6 +206,7 @@ impl Fingerprint {
             f64::from(u8::from(caustics)),
         ]);
         self.number(clamp.unwrap_or(-1.0));
+        self.number(noise.unwrap_or(-1.0));
         self.number(seed.into());
         if let PixelFilter::Gaussian(sigma) = filter {
             self.text("gaussian");

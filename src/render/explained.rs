@@ -1,6 +1,9 @@
 //! The samples of a pixel, one by one, for readers who want to check them by hand.
 
-use std::ops::{Add, Range};
+use std::{
+    iter,
+    ops::{Add, Range},
+};
 
 use crate::{
     diagnostic::error::Error,
@@ -18,9 +21,11 @@ use crate::{
         explain::{TracedRay, explain},
         path::PathTracer,
     },
+    parallel::Cancel,
     render::{
         hits::{Hits, Rays},
         outlines::OutlineMask,
+        shading::paths::PicturePaths,
     },
     tracer::{camera::Camera, color::Color, hit::Hit, ray::Ray, tone::Tone, world::World},
 };
@@ -43,6 +48,8 @@ pub(crate) struct PixelSource<'a> {
 pub struct ExplainedPixel {
     /// The samples, from the top left; none where light follows paths, which are too many.
     pub samples: Vec<ExplainedSample>,
+    /// The number of its samples.
+    pub count: u32,
     /// The mean of their light.
     pub parts: LightParts,
     /// From light to display values; `None` in a flat picture, which has no exposure and no tone
@@ -80,7 +87,7 @@ impl PixelSource<'_> {
         }
         let integrator = Integrator::new(self.world, self.world, self.tone, false);
         if let Integrator::Path(paths) = &integrator {
-            return Ok(self.by_paths(paths, [column, self.size.height() - 1 - row]));
+            return Ok(self.by_paths(paths, [column, row]));
         }
         let side = self.samples.side();
         let margin = self.outlines.map_or(0, |outlines| outlines.margin());
@@ -127,7 +134,7 @@ impl PixelSource<'_> {
         let seen = from_bottom().map(|sample| sample.hit.map_or(NOTHING, |id| id as u32));
         let resolved = || {
             let seen: Vec<_> = seen.collect();
-            let mut pixel = Resolver::new(self.world).resolve(&seen, seen.len());
+            let mut pixel = Resolver::new(self.world).resolve(&seen, iter::once(seen.len()));
             pixel.next().map(|pixel| pixel.color)
         };
         let resolved = (!self.is_shaded).then(resolved).flatten();
@@ -135,20 +142,30 @@ impl PixelSource<'_> {
             color: resolved.map_or(self.tone.color(parts.sum()), PixelColor::color),
             tone: self.world.lighting().map(|_| self.tone),
             parts,
+            count: self.samples.count(),
             samples,
         })
     }
 
-    /// Returns the mean of the paths of a pixel, counted from the bottom left, without its lines.
-    fn by_paths(&self, paths: &PathTracer<World>, pixel: [u32; 2]) -> ExplainedPixel {
-        let samples = (0..paths.samples()).map(|sample| {
-            let sample = paths.sample_of((self.camera, self.size), pixel, sample);
-            sample.light.parts
-        });
-        let sum = samples.fold(LightParts::default(), LightParts::add);
-        let parts = sum.map(|sum| sum / f64::from(paths.samples()));
+    /// Returns the mean of the paths of a pixel without its lines.
+    fn by_paths(&self, paths: &PathTracer<World>, [column, row]: [u32; 2]) -> ExplainedPixel {
+        let picture = PicturePaths {
+            paths,
+            camera: self.camera,
+            size: self.size,
+            exposure: self.tone.factor(),
+            count: paths.samples(),
+            has_albedo: false,
+            cancel: &Cancel::new(),
+        };
+        let traced = picture.trace((column..column + 1, row..row + 1));
+        // Nothing cancels this.
+        let pixel = traced.and_then(|traced| traced.first().copied());
+        let pixel = pixel.unwrap_or_default();
+        let parts = pixel.light.parts.map(|sum| sum / f64::from(pixel.count));
         ExplainedPixel {
             samples: Vec::new(),
+            count: pixel.count,
             parts,
             tone: Some(self.tone),
             color: self.tone.color(parts.sum()),

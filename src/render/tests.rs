@@ -43,6 +43,8 @@ pub(super) struct LitPixel {
     pub(super) albedo: Radiance,
     pub(super) coverage: f64,
     pub(super) behind: f64,
+    pub(super) error: Radiance,
+    pub(super) samples: f64,
 }
 
 impl LitPixel {
@@ -56,6 +58,8 @@ impl LitPixel {
                 albedo: color(light.albedo),
                 coverage: number(light.coverage),
                 behind: number(light.behind),
+                error: color(light.error),
+                samples: number(light.samples),
             }
         })
     }
@@ -288,6 +292,7 @@ impl Case {
                 0.0 => 0.0,
                 sum => (sum / shown).min(1.0),
             },
+            ..LitPixel::default()
         }
     }
 }
@@ -295,9 +300,10 @@ impl Case {
 /// Compares two pixels bit by bit.
 fn same(one: &LitPixel, other: &LitPixel) -> bool {
     let bits = |pixel: &LitPixel| {
-        let lights = pixel.parts.all().into_iter().chain([pixel.albedo]);
+        let lights = pixel.parts.all().into_iter();
+        let lights = lights.chain([pixel.albedo, pixel.error]);
         let channels = lights.flat_map(|light| light.channels);
-        let numbers = channels.chain([pixel.coverage, pixel.behind]);
+        let numbers = channels.chain([pixel.coverage, pixel.behind, pixel.samples]);
         let bits = numbers.map(f64::to_bits);
         bits.collect::<Vec<_>>()
     };

@@ -1,6 +1,6 @@
 //! The geometry that each pixel of a picture sees.
 
-use std::{mem, ops::Range};
+use std::{iter, mem, ops::Range};
 
 use crate::{
     accel::{
@@ -286,7 +286,10 @@ impl<'a> FirstHits<'a> {
                         draw: self.tiles(prepared, tiles.clone(), piece.rows_mut(), Vec::new()),
                         seen: &mut seen,
                     });
-                    piece.resolve(work.resolver.resolve(&seen, samples.count() as usize));
+                    let count = samples.count() as usize;
+                    // Only of the pixels that see several things.
+                    let counts = iter::repeat_n(count, seen.len() / count);
+                    piece.resolve(work.resolver.resolve(&seen, counts));
                 }
                 if samples == Samples::ONE || work.centers != Centers::Unneeded {
                     let (rows, t) = piece.hits_mut(samples == Samples::ONE, work.centers);

@@ -1,6 +1,6 @@
 //! Comparison with the plain loop: no pixel may differ in any scene.
 
-use std::ops::Range;
+use std::{iter, ops::Range};
 
 use glam::DVec3;
 
@@ -271,7 +271,8 @@ fn plain_samples(
         if seen.iter().all(|index| *index == seen[0]) {
             return Seen::One(seen[0]);
         }
-        Seen::Several(resolver.resolve(&seen, seen.len()).next().unwrap())
+        let mut resolved = resolver.resolve(&seen, iter::once(seen.len()));
+        Seen::Several(resolved.next().unwrap())
     });
     pixels.collect()
 }

@@ -134,12 +134,7 @@ impl ExplainedStep for ExplainedPixel {
             writeln!(out, "\nlight of sample {middle}")?;
             sample.text(scene, out, indent + 1)?;
         }
-        // Paths are not listed.
-        let count = match count {
-            0 => scene.samples().count() as usize,
-            listed => listed,
-        };
-        writeln!(out, "\nlight of the pixel, the mean of {count}")?;
+        writeln!(out, "\nlight of the pixel, the mean of {}", self.count)?;
         for (name, light) in named(&self.parts) {
             writeln!(out, "  {name:<12} {}", vector(light))?;
         }

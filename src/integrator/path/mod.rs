@@ -215,6 +215,27 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         self.options.samples()
     }
 
+    /// The limit of the noise of a part of a picture.
+    pub(crate) fn noise(&self) -> Option<f64> {
+        self.options.noise
+    }
+
+    pub(crate) const fn world(&self) -> &'a World {
+        self.world
+    }
+
+    /// Returns the face that a sample of a pixel hits first.
+    pub(crate) fn first_of(
+        &self,
+        (camera, size): (&Camera, Size),
+        pixel: [u32; 2],
+        number: u32,
+    ) -> Option<FaceId> {
+        let sampler = Sampler::new(pixel, number, self.options.seed);
+        let ray = sampler.ray((camera, self.options.filter), size, pixel);
+        self.meet(&mut Path::new(ray)).map(|met| met.id)
+    }
+
     /// Returns a sample of a pixel, counted from the bottom left of a picture.
     pub(crate) fn sample_of(
         &self,

@@ -55,6 +55,15 @@ impl Layout {
         settings: Settings,
         world: &World,
     ) -> Result<Self, Error> {
+        let of_paths = |layer: &&Layer| matches!(layer, Layer::Error | Layer::Samples);
+        if let Some(layer) = layers.iter().find(of_paths)
+            && world.paths().is_none()
+        {
+            return refuse(format!(
+                "the layer {layer} is for lit scenes with `lighting: Path()`; the light of other \
+                 pictures has no noise"
+            ));
+        }
         let is_color = layers.contains(&Layer::Color);
         let (shape, parts) = match format.content() {
             Content::Channels => channels(layers, settings)?,
@@ -128,10 +137,11 @@ impl Layout {
         self.needs(|quantity| matches!(quantity, Z | Position(_) | Normal(_)))
     }
 
-    /// Returns true if the file has parts of the light.
+    /// Returns true if the file has parts of the light, or more about it.
     pub(crate) fn has_parts(&self) -> bool {
         self.needs(|quantity| match quantity {
             Quantity::Light(light, _) | Quantity::Display(light, _) => light != Light::All,
+            Quantity::Samples => true,
             _ => false,
         })
     }
@@ -168,12 +178,25 @@ fn single(
             as_it_is()
         ));
     }
+    if format.content() == Content::Integers && layer == Layer::Samples {
+        return refuse(format!(
+            "{} files cannot hold the layer samples, whose numbers may be large; {} files hold it",
+            format.name(),
+            as_it_is()
+        ));
+    }
     let sample = sample(format, layer, settings.bits, world)?;
     let range = match (layer, settings.depth_range) {
-        (Layer::Color | Layer::Coverage | Layer::Direct | Layer::Specular | Layer::Albedo, _) => {
-            Range::Unit
-        }
-        (Layer::Position, _) => Range::Same,
+        (
+            Layer::Color
+            | Layer::Coverage
+            | Layer::Direct
+            | Layer::Specular
+            | Layer::Albedo
+            | Layer::Error,
+            _,
+        ) => Range::Unit,
+        (Layer::Position | Layer::Samples, _) => Range::Same,
         (Layer::Normal, _) => Range::Signed,
         (Layer::Id, _) => Range::FromOne,
         (Layer::Depth | Layer::Z, _) if is_float(sample) => Range::Same,
@@ -217,6 +240,7 @@ fn sample(
     let default = match (layer, format.content()) {
         (Layer::Id, _) => return id_sample(format, world.ids()),
         (Layer::Position, _) => return Ok(exact),
+        (Layer::Samples, _) if is_array => return Ok(Sample::U32),
         (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,
         (layer, content) if layer.light().is_some() => match content {
             Content::Floats => Sample::F32,
@@ -284,13 +308,14 @@ fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantit
         }
         Layer::Position => three(Quantity::Position),
         Layer::Normal => three(Quantity::Normal),
-        Layer::Direct | Layer::Specular | Layer::Albedo => {
+        Layer::Direct | Layer::Specular | Layer::Albedo | Layer::Error => {
             layer.light().map(light).unwrap_or_default()
         }
         Layer::Coverage => vec![Quantity::Coverage],
         Layer::Depth => vec![Quantity::Depth],
         Layer::Z => vec![Quantity::Z],
         Layer::Id => vec![Quantity::Id],
+        Layer::Samples => vec![Quantity::Samples],
     }
 }
 
@@ -336,7 +361,8 @@ fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Numb
             Layer::Position => ("P.", XYZ, Sample::F32),
             Layer::Normal => ("N.", XYZ, Sample::F32),
             Layer::Id => ("", &["id"], Sample::U32),
-            Layer::Albedo | Layer::Direct | Layer::Specular => (&*own, RGB, colors),
+            Layer::Samples => ("", &["samples"], Sample::U32),
+            Layer::Albedo | Layer::Direct | Layer::Specular | Layer::Error => (&*own, RGB, colors),
         };
         for (name, quantity) in names.iter().zip(quantities(*layer, sample, false)) {
             add(&format!("{group}{name}"), quantity, sample);

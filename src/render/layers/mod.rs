@@ -11,7 +11,7 @@ use crate::{diagnostic::named::named, film::parts::LightParts, render::layers::n
 named! {
     /// A quantity that a picture shows for each pixel.
     ///
-    /// Color, direct, specular, albedo and coverage combine all samples of a pixel; the other layers
+    /// Color, direct, specular, albedo, coverage and error combine all samples of a pixel; the other layers
     /// show the hit of the ray through its center.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
     #[non_exhaustive]
@@ -41,6 +41,11 @@ named! {
         /// The linear light that mirrors and glass show: color is direct + specular. In a flat
         /// picture there is none.
         Specular = "specular",
+        /// The standard error of the color, in linear light, where light follows paths: the mean
+        /// is mostly nearer than this to that of very many samples. Infinite with one sample.
+        Error = "error",
+        /// The number of paths, where light follows paths.
+        Samples = "samples",
     }
 }
 
@@ -50,6 +55,7 @@ impl Layer {
         match self {
             Self::Color => Some(Light::All),
             Self::Albedo => Some(Light::Albedo),
+            Self::Error => Some(Light::Error),
             part => {
                 let part = LightParts::NAMES
                     .iter()

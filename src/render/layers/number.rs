@@ -22,6 +22,8 @@ pub(super) enum Quantity {
     Position(usize),
     Normal(usize),
     Id,
+    /// The number of samples.
+    Samples,
     /// The Cryptomatte number of a geometry, by rank: 0 covers most of the pixel.
     Matte(usize),
     /// The fraction of the pixel that this geometry covers.
@@ -37,6 +39,8 @@ pub(super) enum Light {
     Part(usize),
     /// The first color of the material.
     Albedo,
+    /// The standard error of the mean of all light.
+    Error,
 }
 
 /// The conversion of a quantity to an integer.

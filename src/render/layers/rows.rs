@@ -306,6 +306,7 @@ impl Painted<'_> {
                 places.map(|place| lit.alpha(place)).collect()
             }
             (Quantity::Coverage, Some(lit)) => lit.coverage.into(),
+            (Quantity::Samples, Some(lit)) => lit.samples.into(),
             (Quantity::Display(..) | Quantity::Matte(_) | Quantity::MatteCoverage(_), _)
             | (_, None) => return None,
         })
@@ -347,6 +348,7 @@ fn lit_channel<'a>(lit: &LightRun<'a>, light: Light, channel: usize) -> Cow<'a, 
         Light::All => &planes[..],
         Light::Part(part) => &planes[part..=part],
         Light::Albedo => &[lit.albedo[channel]],
+        Light::Error => &[lit.error[channel]],
     };
     let mut planes = planes.iter().filter(|plane| !plane.is_empty());
     let Some(first) = planes.next() else {

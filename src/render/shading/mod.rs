@@ -1,7 +1,8 @@
 //! Pictures whose samples are shaded one by one: lit ones, and those with outlines.
 
 mod part;
-mod paths;
+pub(super) mod paths;
+pub(crate) mod pixel_sums;
 mod sums;
 
 use std::{
@@ -9,7 +10,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use self::{part::HitRows, sums::Scratch};
+use self::{part::HitRows, paths::PicturePaths, sums::Scratch};
 use crate::{
     accel::{
         raster::{
@@ -26,7 +27,8 @@ use crate::{
         size::Size,
     },
     image_file::check_memory,
-    integrator::{Integrator, direct::Queries},
+    integrator::{Integrator, direct::Queries, path::PathTracer},
+    parallel::Cancel,
     render::{
         hits::{Hits, Rays},
         outlines::OutlineMask,
@@ -64,6 +66,8 @@ struct State<'a, Q> {
     integrator: Integrator<'a, Q>,
     /// The number of samples of a pixel.
     count: u32,
+    /// The side of the blocks of pixels that are traced together.
+    block: u32,
     /// The search for the hits of samples.
     search: &'a FirstHits<'a>,
     /// The shadows of each light, unless it casts none.
@@ -99,13 +103,18 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let count = match &integrator {
             Integrator::Path(paths) => {
                 work.watch.time(|| self.queries.prepare());
-                self.paths.map_or(paths.samples(), SampleCount::count)
+                self.count(paths)
             }
             Integrator::Flat(_) | Integrator::Direct(_) => self.samples.count(),
+        };
+        let block = match &integrator {
+            Integrator::Path(paths) => self.paths(paths, false, work.cancel).block_side(),
+            Integrator::Flat(_) | Integrator::Direct(_) => 1,
         };
         let state = State {
             integrator,
             count,
+            block,
             search: &self.search(self.samples),
             shadows: &shadows,
             scratch: Mutex::default(),
@@ -114,6 +123,8 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let side = u64::from(self.samples.side());
         let chunk = CHUNK * work.pool.threads() as u64;
         let in_row = crop.columns().len() as u64 * side * side;
+        let (upper, rows) = self.split_at_block(crop.rows(), block);
+        let parts = [upper, rows].into_iter().filter(|rows| !rows.is_empty());
         if in_row <= LONG {
             // Hits are searched in tiles, and whole ones if memory allows.
             let tile = u64::from(TILE.div_ceil(side as u32));
@@ -121,21 +132,57 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
                 rows if rows < tile && in_row * tile > LONG => rows,
                 rows => rows.next_multiple_of(tile),
             };
-            let chunk = rows.min(crop.rows().len() as u64) as u32;
-            return self.draw_slab(crop.columns(), (crop.rows(), chunk), &state, work, take);
+            let chunk = rows.next_multiple_of(block.into());
+            let chunk = chunk.min(crop.rows().len() as u64) as u32;
+            return parts.into_iter().try_for_each(|rows| {
+                self.draw_slab(crop.columns(), (rows, chunk), &state, work, take)
+            });
         }
         let columns = (LONG / (side * side)).max(1) as u32;
-        cut(crop.rows(), 1).try_for_each(|row| {
-            let mut film = Film::default();
-            cut(crop.columns(), columns).try_for_each(|columns| {
-                let part = (columns, row.clone());
-                self.draw_rows(part, None, &state, work, &mut |part| {
-                    film.extend(part);
-                    Ok(())
-                })
-            })?;
-            take(film)
-        })
+        let columns = columns.next_multiple_of(block);
+        parts
+            .flat_map(|rows| cut(rows, block))
+            .try_for_each(|rows| {
+                let mut film = Film::default();
+                cut(crop.columns(), columns).try_for_each(|columns| {
+                    let part = (columns, rows.clone());
+                    self.draw_rows(part, None, &state, work, &mut |part| {
+                        film.extend(part);
+                        Ok(())
+                    })
+                })?;
+                take(film)
+            })
+    }
+
+    /// Returns the number of paths of a pixel.
+    fn count(&self, paths: &PathTracer<Q>) -> u32 {
+        self.paths.map_or(paths.samples(), SampleCount::count)
+    }
+
+    /// Returns the paths of the picture.
+    fn paths<'p>(
+        &'p self,
+        paths: &'p PathTracer<'p, Q>,
+        has_albedo: bool,
+        cancel: &'p Cancel,
+    ) -> PicturePaths<'p, Q> {
+        PicturePaths {
+            paths,
+            camera: self.camera,
+            size: self.size,
+            exposure: self.tone.factor(),
+            count: self.count(paths),
+            has_albedo,
+            cancel,
+        }
+    }
+
+    /// Returns rows up to where a block of pixels ends, and all others.
+    fn split_at_block(&self, rows: Range<u32>, block: u32) -> (Range<u32>, Range<u32>) {
+        let upper = (self.size.height() - rows.start) % block;
+        let end = (rows.start + upper).min(rows.end);
+        (rows.start..end, end..rows.end)
     }
 
     /// Shades rows whose hits are searched together if memory allows, in chunks.
@@ -246,7 +293,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             Ok(piece)
         };
         let rows_of_piece = match state.integrator {
-            Integrator::Path(_) => 1,
+            Integrator::Path(_) => state.block,
             Integrator::Flat(_) | Integrator::Direct(_) => ROWS,
         };
         work.pool

@@ -1,9 +1,10 @@
 //! Rows of a picture whose hits are known.
 
-use std::{mem, ops::Range, sync::PoisonError};
+use std::{iter, mem, ops::Range, sync::PoisonError};
 
 use super::{
     Shading, State,
+    pixel_sums::PixelSums,
     sums::{RowLight, Scratch, Sums},
 };
 use crate::{
@@ -46,21 +47,33 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     pub(super) fn piece(&self, rows: Range<u32>) -> Piece {
         let geometries = self.shading.world.ids();
         let mut piece = Piece::new(self.columns.len() as u32, rows.len() as u32, geometries);
+        let needs_ranks = self.work.resolver.ranks;
         let mut seen = Vec::new();
-        piece.light(self.light(rows.clone(), &mut seen));
         // With one sample, the hit of the center is all that a pixel sees.
         let only_centers = match &self.state.integrator {
-            Integrator::Path(_) => false,
+            Integrator::Path(paths) => {
+                let area = (self.columns.clone(), rows.clone());
+                let Some(traced) = self.paths(paths).trace(area) else {
+                    return piece;
+                };
+                piece.light(self.light(rows.clone(), &traced));
+                if needs_ranks {
+                    self.see_by_paths(paths, &rows, &traced, &mut seen);
+                    let counts = traced.iter().map(|sums| sums.count as usize);
+                    self.rank(&seen, counts, &mut piece);
+                }
+                false
+            }
             Integrator::Flat(_) | Integrator::Direct(_) => {
-                if self.work.resolver.ranks && self.state.count != 1 {
+                piece.light(self.light(rows.clone(), &[]));
+                if needs_ranks && self.state.count != 1 {
                     self.see(&rows, &mut seen);
+                    let counts = iter::repeat_n(self.state.count as usize, piece.pixels());
+                    self.rank(&seen, counts, &mut piece);
                 }
                 self.state.count == 1
             }
         };
-        if self.work.resolver.ranks && !only_centers {
-            self.rank(&seen, &mut piece);
-        }
         if self.work.centers != Centers::Unneeded {
             let (ids, t) = piece.hits_mut(only_centers, self.work.centers);
             let (first, width) = (self.columns.start, self.columns.len());
@@ -75,19 +88,23 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         piece
     }
 
-    /// Returns the light of some rows of pixels.
-    fn light(&self, rows: Range<u32>, seen: &mut Vec<u32>) -> Lit {
+    /// Returns the light of some rows of pixels, of which these are the sums if light follows paths.
+    fn light(&self, rows: Range<u32>, traced: &[PixelSums]) -> Lit {
         let all = || {
             let scratch = &self.state.scratch;
             scratch.lock().unwrap_or_else(PoisonError::into_inner)
         };
         let known = all().pop();
         let mut scratch = known.unwrap_or_else(|| Scratch::new(self.shading.world));
+        let mut traced = traced.chunks(self.columns.len());
+        let mut add_up = |row, scratch: &mut Scratch| {
+            self.add_up(row, traced.next().unwrap_or_default(), scratch);
+        };
         let lit = match self.work.wanted {
             Wanted::Bytes(tone) => {
                 let mut bytes = vec![[0; 3]; rows.len() * self.columns.len()];
                 for (row, bytes) in rows.zip(bytes.chunks_mut(self.columns.len())) {
-                    self.add_up(row, &mut scratch, seen);
+                    add_up(row, &mut scratch);
                     self.bytes(&mut scratch.sums, tone, bytes);
                 }
                 Lit::Bytes(bytes)
@@ -95,7 +112,7 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             Wanted::Hits | Wanted::Light | Wanted::Parts => {
                 let mut light = LightPlanes::default();
                 for row in rows {
-                    self.add_up(row, &mut scratch, seen);
+                    add_up(row, &mut scratch);
                     self.append(&scratch.sums, &mut light);
                 }
                 Lit::Light(light.into())
@@ -105,14 +122,13 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         lit
     }
 
-    /// Sets the geometries that the samples of each pixel see.
-    fn rank(&self, seen: &[u32], piece: &mut Piece) {
+    /// Sets the geometries that the samples of each pixel see, of which there are this many.
+    fn rank(&self, seen: &[u32], counts: impl Iterator<Item = usize>, piece: &mut Piece) {
         let first = self.shading.world.ids() as u32;
         for (pixel, number) in piece.rows_mut().into_iter().flatten().zip(first..) {
             *pixel = number;
         }
-        let count = self.state.count as usize;
-        piece.resolve(self.work.resolver.resolve(seen, count));
+        piece.resolve(self.work.resolver.resolve(seen, counts));
     }
 
     /// Adds the geometries that the samples of some rows of pixels see.
@@ -131,39 +147,47 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
     /// Appends the means of the samples of a row of pixels, of those that show something.
     fn append(&self, sums: &Sums, to: &mut LightPlanes) {
         let row = to.coverage.len()..to.coverage.len() + sums.hits.len();
-        let count = f64::from(self.state.count);
-        let (mut all, mut hits) = (Vec::new(), Vec::new());
+        let (mut all, mut hits) = (&[][..], Vec::new());
         if self.state.count != 1 {
-            all.resize(row.len(), count);
+            all = &sums.counts;
             // A sum of no samples is 0.
             hits.extend(sums.hits.iter().map(|hits| f64::from((*hits).max(1))));
         }
         let shown = match self.work.resolver.is_transparent {
             true => &hits,
-            false => &all,
+            false => all,
         };
         let parts = to.parts.as_flattened_mut().iter_mut();
         for (to, sums) in parts.zip(sums.light.parts.as_flattened()) {
             append(to, &row, sums, shown);
         }
         for (to, sums) in to.albedo.iter_mut().zip(&sums.albedo) {
-            append(to, &row, sums, &all);
+            append(to, &row, sums, all);
+        }
+        for (to, error) in to.error.iter_mut().zip(&sums.error) {
+            to.extend_from_slice(error);
+        }
+        if !sums.error[0].is_empty() {
+            to.samples.extend_from_slice(&sums.counts);
         }
         append(&mut to.behind, &row, &sums.light.behind, &hits);
         for behind in to.behind.iter_mut().skip(row.start) {
             *behind = behind.min(1.0);
         }
-        let coverage = sums.hits.iter().map(|hits| f64::from(*hits) / count);
-        to.coverage.extend(coverage);
+        let coverage = sums.hits.iter().zip(&sums.counts);
+        to.coverage
+            .extend(coverage.map(|(hits, count)| f64::from(*hits) / count));
     }
 
     /// Sets the bytes of a row of pixels.
     fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
         let parts = &mut sums.light.parts;
         if self.state.count != 1 {
-            let count = f64::from(self.state.count);
-            let sums = parts.as_flattened_mut().iter_mut().flatten();
-            sums.for_each(|sum| *sum /= count);
+            for part in parts.as_flattened_mut() {
+                for (sum, count) in part.iter_mut().zip(&sums.counts) {
+                    *sum /= count;
+                }
+            }
         }
         let [first, others @ ..] = parts;
         for other in others {
@@ -180,15 +204,12 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         });
     }
 
-    /// Sums up the samples of a row of pixels.
-    fn add_up(&self, row: u32, scratch: &mut Scratch, seen: &mut Vec<u32>) {
+    /// Sums up the samples of a row of pixels, which are traced already if light follows paths.
+    fn add_up(&self, row: u32, traced: &[PixelSums], scratch: &mut Scratch) {
         let (side, width) = (self.shading.samples.side(), self.columns.len());
         scratch.sums.clear(width, self.state.count);
         match &self.state.integrator {
-            Integrator::Path(paths) => {
-                let Scratch { sums, lines, .. } = scratch;
-                return self.add_paths(paths, row, (sums, lines), seen);
-            }
+            Integrator::Path(_) => return self.take_traced(row, traced, scratch),
             Integrator::Flat(_) | Integrator::Direct(_) => {}
         }
         // From the bottom, as the samples of a pixel are numbered.

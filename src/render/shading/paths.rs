@@ -1,76 +1,216 @@
 //! Rows of a picture whose light follows paths.
 
-use super::{part::HitRows, sums::Sums};
+use std::ops::Range;
+
+use super::{part::HitRows, pixel_sums::PixelSums, sums::Scratch};
 use crate::{
-    film::{Wanted, colors::NOTHING},
+    film::{Wanted, colors::NOTHING, size::Size},
     integrator::{
         direct::{Queries, Shaded},
         path::PathTracer,
     },
+    parallel::Cancel,
     render::outlines::{RowLines, WhichNeighbor},
-    tracer::{radiance::Radiance, shape::face::FaceId},
+    tracer::{camera::Camera, shape::face::FaceId},
 };
 
 /// The number of paths of a pixel after which it is asked whether the work is cancelled.
 const UNASKED: u32 = 1 << 10;
+/// The side of the blocks of pixels that have the same number of samples if their noise has a limit.
+const BLOCK: u32 = 8;
+/// The number of samples after which a block may end, as it may after twice as many, and so on.
+const FIRST_END: u32 = 64;
 
-impl<Q: Queries + Sync> HitRows<'_, Q> {
-    /// Sums up the samples of a row of pixels, and adds the geometry that each sees to `seen` if that is
-    /// wanted. What is cancelled meanwhile is dropped.
-    pub(super) fn add_paths(
-        &self,
-        paths: &PathTracer<Q>,
-        row: u32,
-        (sums, lines): (&mut Sums, &mut RowLines),
-        seen: &mut Vec<u32>,
-    ) {
-        let inked = self.inked(row, lines);
-        for (place, column) in self.columns.clone().enumerate() {
-            let Some(mut sum) = self.add_pixel(paths, [column, row], (place, sums), seen) else {
-                return;
-            };
-            if let Some((mask, inked)) = self.mask.as_ref().zip(inked.get(place)) {
-                let count = f64::from(self.state.count);
-                let ink = Shaded::direct(mask.color() * (inked * count));
-                let parts = sum.parts.map(|part| part * (1.0 - inked));
-                sum = Shaded { parts, ..sum } + ink;
+/// The paths of the pixels of a picture.
+#[derive(Clone, Copy)]
+pub(crate) struct PicturePaths<'a, Q> {
+    pub(crate) paths: &'a PathTracer<'a, Q>,
+    pub(crate) camera: &'a Camera,
+    pub(crate) size: Size,
+    /// The exposure, as a factor.
+    pub(crate) exposure: f64,
+    /// The largest number of samples of a pixel.
+    pub(crate) count: u32,
+    /// True if the sums of first colors are wanted.
+    pub(crate) has_albedo: bool,
+    pub(crate) cancel: &'a Cancel,
+}
+
+/// Columns and rows of a picture, counted from the top left.
+type PixelArea = (Range<u32>, Range<u32>);
+
+impl<Q: Queries> PicturePaths<'_, Q> {
+    /// The side of the blocks of pixels that are traced together, counted from the bottom left.
+    pub(super) fn block_side(&self) -> u32 {
+        self.paths.noise().map_or(1, |_| BLOCK)
+    }
+
+    /// Returns the block of a pixel: the part of it that is in the picture.
+    fn block_of(&self, [column, row]: [u32; 2]) -> PixelArea {
+        let (side, height) = (self.block_side(), self.size.height());
+        let left = column - column % side;
+        let y = height - 1 - row;
+        let bottom = y - y % side;
+        let right = (left + side).min(self.size.width());
+        let top = (bottom + side).min(height);
+        (left..right, height - top..height - bottom)
+    }
+
+    /// Returns the sums of some pixels, row by row; `None` if the work is cancelled.
+    ///
+    /// All blocks that they are in are traced, so that they do not depend on the part of the picture.
+    pub(crate) fn trace(&self, (columns, rows): PixelArea) -> Option<Vec<PixelSums>> {
+        let mut traced = vec![PixelSums::default(); columns.len() * rows.len()];
+        let mut block = Vec::new();
+        let mut row = rows.start;
+        while row < rows.end {
+            let mut column = columns.start;
+            let mut below = rows.end;
+            while column < columns.end {
+                let area = self.block_of([column, row]);
+                block.clear();
+                block.resize(area.0.len() * area.1.len(), PixelSums::default());
+                self.add_block(&area, &mut block)?;
+                let lines = block.chunks(area.0.len());
+                for (line, sums) in area
+                    .1
+                    .clone()
+                    .zip(lines)
+                    .filter(|(line, _)| rows.contains(line))
+                {
+                    let first = (line - rows.start) as usize * columns.len();
+                    for (at, sums) in area
+                        .0
+                        .clone()
+                        .zip(sums)
+                        .filter(|(at, _)| columns.contains(at))
+                    {
+                        traced[first + (at - columns.start) as usize] = *sums;
+                    }
+                }
+                (column, below) = (area.0.end, area.1.end);
             }
-            sums.light.set(place, sum);
+            row = below;
+        }
+        Some(traced)
+    }
+
+    /// Adds samples to the pixels of a block, as many as they lack; `None` if the work is cancelled.
+    fn add_block(&self, (columns, rows): &PixelArea, block: &mut [PixelSums]) -> Option<()> {
+        loop {
+            let counts = block.iter().map(|sums| sums.count);
+            let (least, most) = counts.fold((u32::MAX, 0), |(least, most), count| {
+                (least.min(count), most.max(count))
+            });
+            if least >= self.count || (least == most && self.is_done(block)) {
+                return Some(());
+            }
+            let to = match self.paths.noise() {
+                Some(_) => FIRST_END.max((least + 1).next_power_of_two()),
+                None => self.count,
+            };
+            let pixels = rows
+                .clone()
+                .flat_map(|row| columns.clone().map(move |column| [column, row]));
+            for (sums, pixel) in block.iter_mut().zip(pixels) {
+                self.add_pixel(pixel, sums, to.min(self.count))?;
+            }
         }
     }
 
-    /// Returns the sum of the light of all samples of a pixel; `None` if the work is cancelled.
-    fn add_pixel(
-        &self,
-        paths: &PathTracer<Q>,
-        [column, row]: [u32; 2],
-        (place, sums): (usize, &mut Sums),
-        seen: &mut Vec<u32>,
-    ) -> Option<Shaded> {
-        let (shading, work) = (self.shading, &self.work);
-        let pixel = [column, shading.size.height() - 1 - row];
-        let (mut sum, mut albedo) = (Shaded::default(), Radiance::BLACK);
-        for sample in 0..self.state.count {
-            if sample % UNASKED == 0 && work.cancel.is_cancelled() {
+    /// Returns true if the pixels of a block, which have the same number of samples, need no more.
+    fn is_done(&self, block: &[PixelSums]) -> bool {
+        let Some((noise, first)) = self.paths.noise().zip(block.first()) else {
+            return false;
+        };
+        let sum = || {
+            block
+                .iter()
+                .map(|sums| sums.noise(self.exposure))
+                .sum::<f64>()
+        };
+        let may_end = first.count >= FIRST_END && first.count.is_power_of_two();
+        may_end && sum() / block.len() as f64 <= noise * noise
+    }
+
+    /// Adds samples to a pixel until it has this many; `None` if the work is cancelled.
+    fn add_pixel(&self, [column, row]: [u32; 2], sums: &mut PixelSums, to: u32) -> Option<()> {
+        let pixel = [column, self.size.height() - 1 - row];
+        let first = sums.count;
+        for sample in first..to {
+            if (sample - first).is_multiple_of(UNASKED) && self.cancel.is_cancelled() {
                 return None;
             }
-            let traced = paths.sample_of((shading.camera, shading.size), pixel, sample);
-            sum = sum + traced.light;
-            sums.hits[place] += u32::from(traced.first.is_some());
-            if let Some(color) = traced.color.filter(|_| work.wanted == Wanted::Parts) {
-                albedo = albedo + color.to_linear();
+            let traced = self
+                .paths
+                .sample_of((self.camera, self.size), pixel, sample);
+            sums.add(&traced, self.has_albedo);
+        }
+        Some(())
+    }
+
+    /// Adds the ids of the geometries that the samples of a pixel hit first.
+    fn see(&self, [column, row]: [u32; 2], count: u32, seen: &mut Vec<u32>) {
+        let pixel = [column, self.size.height() - 1 - row];
+        let id = |FaceId { geometry, face }| self.paths.world().id_of(geometry, face) as u32;
+        seen.extend((0..count).map(|sample| {
+            let first = self.paths.first_of((self.camera, self.size), pixel, sample);
+            first.map_or(NOTHING, id)
+        }));
+    }
+}
+
+impl<Q: Queries + Sync> HitRows<'_, Q> {
+    /// Returns the paths of the picture.
+    pub(super) fn paths<'p>(&'p self, paths: &'p PathTracer<'p, Q>) -> PicturePaths<'p, Q> {
+        let wanted = self.work.wanted;
+        self.shading
+            .paths(paths, wanted == Wanted::Parts, self.work.cancel)
+    }
+
+    /// Adds the geometries that the samples of some rows of pixels hit first.
+    pub(super) fn see_by_paths(
+        &self,
+        paths: &PathTracer<Q>,
+        rows: &Range<u32>,
+        traced: &[PixelSums],
+        seen: &mut Vec<u32>,
+    ) {
+        let paths = self.paths(paths);
+        let pixels = rows
+            .clone()
+            .flat_map(|row| self.columns.clone().map(move |column| [column, row]));
+        for (pixel, sums) in pixels.zip(traced) {
+            if self.work.cancel.is_cancelled() {
+                // What is cancelled is dropped, whatever it shows.
+                seen.extend((0..sums.count).map(|_| NOTHING));
+                continue;
             }
-            if work.resolver.ranks {
-                let id = |FaceId { geometry, face }| shading.world.id_of(geometry, face) as u32;
-                seen.push(traced.first.map_or(NOTHING, id));
+            paths.see(pixel, sums.count, seen);
+        }
+    }
+
+    /// Takes over the sums of a row of pixels, with its lines.
+    pub(super) fn take_traced(&self, row: u32, traced: &[PixelSums], scratch: &mut Scratch) {
+        let Scratch { sums, lines, .. } = scratch;
+        let inked = self.inked(row, lines);
+        for (place, pixel) in traced.iter().enumerate() {
+            let (mut light, count) = (pixel.light, f64::from(pixel.count));
+            let mut error = pixel.error();
+            if let Some((mask, inked)) = self.mask.as_ref().zip(inked.get(place)) {
+                let ink = Shaded::direct(mask.color() * (inked * count));
+                let parts = light.parts.map(|part| part * (1.0 - inked));
+                light = Shaded { parts, ..light } + ink;
+                error = error * (1.0 - inked);
+            }
+            sums.light.set(place, light);
+            sums.hits[place] = pixel.hits;
+            sums.counts[place] = count;
+            if self.work.wanted == Wanted::Parts {
+                push(&mut sums.albedo, pixel.albedo.channels);
+                push(&mut sums.error, error.channels);
             }
         }
-        if work.wanted == Wanted::Parts {
-            for (sums, channel) in sums.albedo.iter_mut().zip(albedo.channels) {
-                sums.push(channel);
-            }
-        }
-        Some(sum)
     }
 
     /// Returns the part of each pixel of a row that lines cover; nothing if there are no lines.
@@ -91,5 +231,11 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let count = f64::from(self.shading.samples.count());
         inked.iter_mut().for_each(|inked| *inked /= count);
         inked
+    }
+}
+
+fn push(planes: &mut [Vec<f64>; 3], channels: [f64; 3]) {
+    for (plane, channel) in planes.iter_mut().zip(channels) {
+        plane.push(channel);
     }
 }

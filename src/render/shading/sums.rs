@@ -43,6 +43,10 @@ pub(super) struct Sums {
     pub(super) light: RowLight,
     pub(super) albedo: [Vec<f64>; 3],
     pub(super) hits: Vec<u32>,
+    /// The number of samples of each pixel.
+    pub(super) counts: Vec<f64>,
+    /// The standard error of all light; empty unless light follows paths.
+    pub(super) error: [Vec<f64>; 3],
 }
 
 impl Sums {
@@ -54,9 +58,12 @@ impl Sums {
                 .iter_mut()
                 .for_each(|sums| sums.fill(0.0));
         }
-        self.albedo.iter_mut().for_each(Vec::clear);
+        let others = self.albedo.iter_mut().chain(&mut self.error);
+        others.for_each(Vec::clear);
         self.hits.clear();
         self.hits.resize(width, 0);
+        self.counts.clear();
+        self.counts.resize(width, samples.into());
     }
 }
 

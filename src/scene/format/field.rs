@@ -98,6 +98,8 @@ kinds! {
     Stops: Number in Range::Within(-64.0, 64.0),
     /// The largest light of a path after its first vertex.
     Limit: Number in Range::AboveUpTo(0, PathOptions::MAX_CLAMP),
+    /// The limit of the noise of a part of a picture.
+    Noise: Number in Range::Within(PathOptions::NOISE[0], PathOptions::NOISE[1]),
     /// The standard deviation of a filter in pixels.
     FilterWidth: Number in Range::AboveUpTo(0, PixelFilter::WIDEST),
     /// The width of a line in pixels.

@@ -69,6 +69,10 @@ object! {
         /// The largest light of a path after its first surface, above 0 and at most 1e12; brighter light is
         /// reduced to it: less noise, but not exact. Without it, there is no such limit.
         clamp: Limit?,
+        /// The noise at which a part of the picture has enough samples, 0.0001 to 1, such as 0.01: squares of
+        /// 8 x 8 pixels may end after 64 samples, 128 and so on. `samples` is then the largest number. It
+        /// is a slight bias. Without it, every pixel has all samples.
+        noise: Noise?,
         /// The seed of the samples, 0 to 4294967295; 0 is the default.
         seed: Natural { u32::MAX } = 0,
         /// The distribution of paths around the center of a pixel; `Box()` is the default.
@@ -117,6 +121,7 @@ impl PathModel {
             diffuse_depth: self.diffuse_depth,
             caustics: self.caustics(),
             clamp: self.clamp,
+            noise: self.noise,
             seed: self.seed(),
             filter: self
                 .filter

@@ -618,6 +618,7 @@ impl Rng {
                         diffuse_depth: rng.maybe(Self::side),
                         caustics: rng.maybe(|rng| rng.below(2) == 0),
                         clamp: rng.maybe(Self::number),
+                        noise: rng.maybe(Self::number),
                         seed: rng.maybe(Self::side),
                         filter: rng.maybe(|rng| match rng.below(2) {
                             0 => FilterModel::Box(BoxFilterModel {}),

@@ -26,6 +26,9 @@ pub struct PathOptions {
     /// The largest channel of the light of a path after its first vertex, above 0 and at most
     /// [`PathOptions::MAX_CLAMP`]; brighter light is scaled down.
     pub clamp: Option<f64>,
+    /// The noise at which a part of the picture has fewer samples: the error of light of brightness 1, in
+    /// [`PathOptions::NOISE`]; `None` if every pixel has all samples.
+    pub noise: Option<f64>,
     /// The seed of the numbers of all paths.
     pub seed: u32,
     /// The distribution of paths around the center of a pixel.
@@ -67,6 +70,8 @@ impl PathOptions {
     pub const MAX_DEPTH: u32 = 32;
     /// The largest limit of light.
     pub const MAX_CLAMP: f64 = 1e12;
+    /// The smallest and the largest limit of noise.
+    pub const NOISE: [f64; 2] = [1e-4, 1.0];
 
     /// Returns the number of paths of a pixel within its limits.
     pub(crate) fn samples(&self) -> u32 {
@@ -82,6 +87,7 @@ impl Default for PathOptions {
             diffuse_depth: None,
             caustics: true,
             clamp: None,
+            noise: None,
             seed: 0,
             filter: PixelFilter::Box,
         }
