@@ -2,12 +2,14 @@
 
 mod hit;
 mod light;
+mod path;
 
 use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
     Camera, Color, Error, Hit, Ray, Scene, Shape, Size,
+    light::Transport,
     parallel::Cancel,
     render::{Term, Working},
     scene::Origin,
@@ -52,6 +54,9 @@ pub(crate) struct Args {
     /// Size of the picture in pixels, instead of the scene's
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
+    /// Tell the path of this sample, from 0, step by step, where light follows paths
+    #[arg(long, value_name = "J")]
+    sample: Option<u32>,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
@@ -83,7 +88,15 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     let camera = scene.camera_for(size)?;
     let (frame, never) = (args.frame.number(), Cancel::new());
-    let explanation = Explanation::new(&scene, &camera, frame, size, (x, y), &never)?;
+    let transport = scene.world().lighting().map(|lighting| lighting.transport);
+    if args.sample.is_some() && !matches!(transport, Some(Transport::Path(_))) {
+        return Err(Failure::usage(
+            "--sample is for scenes whose light follows paths: those with `lighting: Path()`"
+                .to_owned(),
+        ));
+    }
+    let pixel = ((x, y), args.sample);
+    let explanation = Explanation::new(&scene, &camera, frame, size, pixel, &never)?;
     super::output::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
@@ -279,20 +292,20 @@ struct FaceTerms<'a> {
 }
 
 impl<'a> Explanation<'a> {
-    /// Explains a pixel; `y` counts from the bottom.
+    /// Explains a pixel, and one of its paths; `y` counts from the bottom.
     pub(super) fn new(
         scene: &'a Scene,
         camera: &Camera,
         frame: Option<u32>,
         size: Size,
-        (x, y): (u32, u32),
+        ((x, y), sample): ((u32, u32), Option<u32>),
         cancel: &Cancel,
     ) -> Result<Self, Error> {
         let (width, height) = (size.width(), size.height());
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
         let world = scene.world();
         let hit = world.hit(&ray);
-        let light = scene.explain(size, x, y)?;
+        let light = scene.explain(size, (x, y), sample, cancel)?;
         let light = light.map(|pixel| LightTerms { scene, pixel });
         let flat = hit.map_or(world.background(), |(_, hit)| hit.color());
         let color = light.as_ref().map_or(flat, |light| light.pixel.color);

@@ -13,6 +13,7 @@ use crate::{
     film::parts::LightParts,
     integrator::{
         Integrate,
+        path::emitters::EmittedBy,
         queue::{Lanes, Queue, Seen},
         surface::{AtGlass, Onward, Path, Shadow, Surface},
     },
@@ -100,6 +101,12 @@ pub(crate) enum Step<'a> {
     Term(&'static str, &'static str, Value),
     /// The surface is turned away from the light.
     FacesAway,
+    /// A path aims at this emitter, which it chose with this probability.
+    Emitter(Option<EmittedBy>, f64),
+    /// The probability of one of the first emitters.
+    OtherEmitter(EmittedBy, f64),
+    /// A path brings this light.
+    Adds(Radiance),
     /// All lights are summed up.
     Summed,
     /// The light of the ray.

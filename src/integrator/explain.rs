@@ -188,6 +188,7 @@ impl Queries for Listener<'_> {
                 }
             }),
             Step::FacesAway => self.at_light(|light| light.dark = Some("the surface faces away")),
+            Step::Emitter(..) | Step::OtherEmitter(..) | Step::Adds(_) => {}
             Step::Summed => self.at_surface(|surface| surface.is_summed = true),
             Step::Brings(shaded) => self.close(shaded),
         }
@@ -231,7 +232,7 @@ impl Listener<'_> {
 }
 
 impl Shading {
-    fn new(surface: &Surface, id: usize) -> Self {
+    pub(super) fn new(surface: &Surface, id: usize) -> Self {
         let material = &*surface.hit.material();
         let mut terms = Vec::new();
         material.each_parameter(|parameter| {
@@ -294,7 +295,7 @@ fn linear(name: &'static str, color: Color) -> Term {
     Term::vector(name, format!("lin({name})"), light)
 }
 
-fn term(name: &'static str, symbol: &'static str, value: Value) -> Term {
+pub(super) fn term(name: &'static str, symbol: &'static str, value: Value) -> Term {
     match value {
         Value::Number(number) => Term::number(name, symbol, number),
         Value::Vector(vector) => Term::vector(name, symbol, vector),

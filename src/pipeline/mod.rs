@@ -133,13 +133,20 @@ impl Scene {
     }
 
     /// Returns every step from the samples of a pixel to its light; `None` for a flat picture with
-    /// one sample per pixel, without outlines. `y` counts from the bottom.
+    /// one sample per pixel, without outlines. `y` counts from the bottom. Where light follows paths, the path of
+    /// one sample may be asked for.
     ///
     /// # Errors
     ///
     /// Outlines that are too wide for a picture.
     #[doc(hidden)]
-    pub fn explain(&self, size: Size, x: u32, y: u32) -> Result<Option<ExplainedPixel>, Error> {
+    pub fn explain(
+        &self,
+        size: Size,
+        (x, y): (u32, u32),
+        sample: Option<u32>,
+        cancel: &Cancel,
+    ) -> Result<Option<ExplainedPixel>, Error> {
         let above = y.checked_add(1);
         let row = above.and_then(|above| size.height().checked_sub(above));
         let camera = self.camera_for(size).ok();
@@ -154,6 +161,8 @@ impl Scene {
             outlines: self.outlines,
             tone: self.world.tone(self.tone),
             is_shaded: self.mixes_colors(),
+            sample,
+            cancel,
         };
         let is_one_color = !view.is_shaded && self.samples == Samples::ONE;
         if is_one_color {

@@ -19,7 +19,10 @@ use crate::{
         Integrator,
         direct::Shaded,
         explain::{TracedRay, explain},
-        path::PathTracer,
+        path::{
+            PathTracer,
+            explain::{ExplainedPath, explain_paths},
+        },
     },
     parallel::Cancel,
     render::{
@@ -27,7 +30,10 @@ use crate::{
         outlines::OutlineMask,
         shading::paths::PicturePaths,
     },
-    tracer::{camera::Camera, color::Color, hit::Hit, ray::Ray, tone::Tone, world::World},
+    tracer::{
+        camera::Camera, color::Color, hit::Hit, radiance::Radiance, ray::Ray, tone::Tone,
+        world::World,
+    },
 };
 
 /// What a pixel is computed from.
@@ -41,6 +47,9 @@ pub(crate) struct PixelSource<'a> {
     /// True if the light of the samples is added up; otherwise, a pixel shows the color of a
     /// geometry, or a mean of some.
     pub(crate) is_shaded: bool,
+    /// The number of the sample whose path is asked for.
+    pub(crate) sample: Option<u32>,
+    pub(crate) cancel: &'a Cancel,
 }
 
 /// A pixel and its samples.
@@ -52,11 +61,26 @@ pub struct ExplainedPixel {
     pub count: u32,
     /// The mean of their light.
     pub parts: LightParts,
+    /// Its paths, where light follows some.
+    pub paths: Option<ExplainedPaths>,
     /// From light to display values; `None` in a flat picture, which has no exposure and no tone
     /// mapping.
     pub tone: Option<Tone>,
     /// The color of the pixel.
     pub color: Color,
+}
+
+/// The paths of a pixel.
+#[derive(Clone, Debug, Default)]
+pub struct ExplainedPaths {
+    /// The standard error of the mean of their light.
+    pub error: Radiance,
+    /// The part of the mean that paths bring at each depth, before `clamp`.
+    pub by_depth: Vec<Radiance>,
+    /// The brightest, with the number of their sample.
+    pub brightest: Vec<(u32, Radiance)>,
+    /// The path that is asked for.
+    pub path: Option<ExplainedPath>,
 }
 
 /// A sample of a pixel.
@@ -73,6 +97,29 @@ pub struct ExplainedSample {
     pub outlined_by: Option<([i64; 2], Option<usize>)>,
     /// Its light; the color of the line, as direct light, if it is outlined.
     pub parts: LightParts,
+}
+
+impl ExplainedPaths {
+    /// The number of the brightest paths.
+    const BRIGHTEST: usize = 5;
+
+    /// Adds one of a number of paths.
+    fn add(&mut self, path: &ExplainedPath, count: u32) {
+        for segment in &path.segments {
+            let depth = segment.depth as usize;
+            for light in &segment.adds {
+                if self.by_depth.len() <= depth {
+                    self.by_depth.resize(depth + 1, Radiance::BLACK);
+                }
+                self.by_depth[depth] = self.by_depth[depth] + *light / f64::from(count);
+            }
+        }
+        let is_darker =
+            |(_, light): &(u32, Radiance)| light.max_channel() >= path.light.max_channel();
+        let place = self.brightest.partition_point(is_darker);
+        self.brightest.insert(place, (path.sample, path.light));
+        self.brightest.truncate(Self::BRIGHTEST);
+    }
 }
 
 impl PixelSource<'_> {
@@ -143,6 +190,7 @@ impl PixelSource<'_> {
             tone: self.world.lighting().map(|_| self.tone),
             parts,
             count: self.samples.count(),
+            paths: None,
             samples,
         })
     }
@@ -156,14 +204,27 @@ impl PixelSource<'_> {
             exposure: self.tone.factor(),
             count: paths.samples(),
             has_albedo: false,
-            cancel: &Cancel::new(),
+            cancel: self.cancel,
         };
         let traced = picture.trace((column..column + 1, row..row + 1));
-        // Nothing cancels this.
         let pixel = traced.and_then(|traced| traced.first().copied());
         let pixel = pixel.unwrap_or_default();
         let parts = pixel.light.parts.map(|sum| sum / f64::from(pixel.count));
+        let place = [column, self.size.height() - 1 - row];
+        let (camera, world) = ((self.camera, self.size), (self.world, self.cancel));
+        let mut all = ExplainedPaths {
+            error: pixel.error(),
+            ..ExplainedPaths::default()
+        };
+        explain_paths(world, camera, place, 0..pixel.count, |path| {
+            all.add(&path, pixel.count);
+        });
+        if let Some(sample) = self.sample {
+            let samples = sample..sample.saturating_add(1);
+            explain_paths(world, camera, place, samples, |path| all.path = Some(path));
+        }
         ExplainedPixel {
+            paths: Some(all),
             samples: Vec::new(),
             count: pixel.count,
             parts,

@@ -20,11 +20,15 @@ pub use legend::Legend;
 pub use visibility::Seen;
 
 #[doc(hidden)]
-pub use self::explained::{ExplainedPixel, ExplainedSample};
+pub use self::explained::{ExplainedPaths, ExplainedPixel, ExplainedSample};
 pub use crate::simd::isa::Isa;
 #[doc(hidden)]
 pub use crate::{
     film::parts::LightParts,
     integrator::explain::{RayEnd, Shading, ShiningLight, TracedRay, explain},
+    integrator::path::{
+        emitters::EmittedBy,
+        explain::{ExplainedPath, PathSegment},
+    },
     tracer::shape::working::{Term, Working},
 };

@@ -378,6 +378,8 @@ fn an_explained_sample_names_the_first_neighbor_that_outlines_it() {
             outlines: case.outlines,
             tone: case.tone,
             is_shaded: true,
+            sample: None,
+            cancel: &Cancel::new(),
         };
         let explained = source.explain(column, row).unwrap();
         let (side, top) = (case.samples.side(), case.size.height() - row);

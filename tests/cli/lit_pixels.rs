@@ -215,3 +215,74 @@ fn a_flat_pixel_names_its_samples() {
     assert!(!text.contains("exposed"), "{text}");
     assert!(text.contains("bytes          (188, 0, 0)"), "{text}");
 }
+
+/// Returns three numbers.
+fn three(value: &Value) -> [f64; 3] {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
+/// Returns the sum of lights.
+fn total(lights: impl IntoIterator<Item = [f64; 3]>) -> [f64; 3] {
+    let add = |sum: [f64; 3], light: [f64; 3]| [0, 1, 2].map(|at| sum[at] + light[at]);
+    lights.into_iter().fold([0.0; 3], add)
+}
+
+fn are_near(one: [f64; 3], other: [f64; 3]) -> bool {
+    let is_near = |(one, other): (f64, f64)| (one - other).abs() <= 1e-12 * one.abs().max(1.0);
+    one.into_iter().zip(other).all(is_near)
+}
+
+#[test]
+fn the_paths_of_a_pixel_add_up_to_its_light() {
+    let rough = [
+        r##"Metal(color: "#ffd27f", roughness: 0.3)"##,
+        r##"Glass(roughness: 0.4)"##,
+    ];
+    let mut most_rays = 0;
+    for material in MATERIALS.into_iter().chain(rough) {
+        let folder = Folder::new();
+        let lights =
+            r##"lighting: Path(samples: 4, seed: 3), lights: [Environment(color: "#456"),"##;
+        let text = scene("", material).replace("lights: [", lights);
+        folder.write(
+            "lit.ron",
+            text.replace("outlines: (color: \"#202020\"),", ""),
+        );
+        for pixel in ["12,8", "12,2", "16,10", "3,17"] {
+            let whole = explained(&folder, pixel);
+            let light = three(&whole["light"]["light"]);
+            let by_depth = whole["light"]["paths"]["by_depth"].as_array().unwrap();
+            assert!(
+                are_near(total(by_depth.iter().map(three)), light),
+                "{material} {pixel}"
+            );
+            let paths = (0..4).map(|sample| {
+                let sample = format!("--sample={sample}");
+                let args = ["pixel", "lit.ron", pixel, &sample, "--output-format=json"];
+                let stdout = run(&mut folder.strahl(args)).quiet_success();
+                let value: Value = serde_json::from_slice(&stdout).unwrap();
+                let path = &value["light"]["paths"]["path"];
+                let rays = path["rays"].as_array().unwrap();
+                most_rays = most_rays.max(rays.len());
+                let light = three(&path["light"]);
+                let adds = total(rays.iter().map(|ray| three(&ray["adds"])));
+                assert!(are_near(adds, light), "{material} {pixel} {sample}");
+                light
+            });
+            let mean = total(paths).map(|sum| sum / 4.0);
+            assert!(
+                are_near(mean, light),
+                "{material} {pixel} {mean:?} {light:?}"
+            );
+        }
+    }
+    assert!(most_rays > 4, "{most_rays}");
+}
+
+#[test]
+fn only_paths_have_samples_to_tell() {
+    let folder = Folder::new();
+    folder.write("lit.ron", scene("", MATERIALS[0]));
+    let done = run(&mut folder.strahl(["pixel", "lit.ron", "3,3", "--sample", "0"]));
+    done.failure(2, &["--sample", "lighting: Path()"]);
+}

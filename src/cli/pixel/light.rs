@@ -20,7 +20,7 @@ pub(super) struct LightTerms<'a> {
 }
 
 /// A part of an explanation.
-trait ExplainedStep {
+pub(super) trait ExplainedStep {
     /// Adds its entries in data.
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error>;
 
@@ -29,7 +29,7 @@ trait ExplainedStep {
 }
 
 /// A part in data, with the scene that names its geometries.
-struct Of<'a, T>(&'a Scene, &'a T);
+pub(super) struct Of<'a, T>(pub(super) &'a Scene, pub(super) &'a T);
 
 impl<T: ExplainedStep> Serialize for Of<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -39,7 +39,7 @@ impl<T: ExplainedStep> Serialize for Of<'_, T> {
     }
 }
 
-fn all<'a, T: ExplainedStep>(scene: &'a Scene, parts: &'a [T]) -> Vec<Of<'a, T>> {
+pub(super) fn all<'a, T: ExplainedStep>(scene: &'a Scene, parts: &'a [T]) -> Vec<Of<'a, T>> {
     parts.iter().map(|part| Of(scene, part)).collect()
 }
 
@@ -68,14 +68,14 @@ impl Serialize for Terms<'_> {
     }
 }
 
-fn write_terms(terms: &[Term], out: &mut String, indent: usize) -> fmt::Result {
+pub(super) fn write_terms(terms: &[Term], out: &mut String, indent: usize) -> fmt::Result {
     let pad = "  ".repeat(indent);
     terms
         .iter()
         .try_for_each(|term| writeln!(out, "{pad}{} = {}", term.symbol, shown(&term.numbers)))
 }
 
-fn rgb(light: Radiance) -> [f64; 3] {
+pub(super) fn rgb(light: Radiance) -> [f64; 3] {
     [light.r(), light.g(), light.b()]
 }
 
@@ -103,6 +103,9 @@ impl ExplainedStep for ExplainedPixel {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
         let light = self.parts.sum();
         map.serialize_entry("samples", &all(scene, &self.samples))?;
+        if let Some(paths) = &self.paths {
+            map.serialize_entry("paths", &Of(scene, paths))?;
+        }
         serialize_parts(&self.parts, map)?;
         map.serialize_entry("light", &rgb(light))?;
         if let Some(tone) = self.tone {
@@ -133,6 +136,9 @@ impl ExplainedStep for ExplainedPixel {
         {
             writeln!(out, "\nlight of sample {middle}")?;
             sample.text(scene, out, indent + 1)?;
+        }
+        if let Some(paths) = &self.paths {
+            paths.text(scene, out, indent)?;
         }
         writeln!(out, "\nlight of the pixel, the mean of {}", self.count)?;
         for (name, light) in named(&self.parts) {
@@ -284,15 +290,10 @@ impl ExplainedStep for Shading {
 
 impl ExplainedStep for ShiningLight {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
-        let crossings = self.crossings.iter().map(|&(id, t, factor)| Crossing {
-            geometry: OriginTerms::new(scene, id),
-            t,
-            factor: rgb(factor),
-        });
         map.serialize_entry("index", &self.index)?;
         map.serialize_entry("kind", self.kind)?;
         map.serialize_entry("terms", &Terms(&self.terms))?;
-        map.serialize_entry("crossings", &crossings.collect::<Vec<_>>())?;
+        map.serialize_entry("crossings", &crossings(scene, &self.crossings))?;
         self.dark
             .map_or(Ok(()), |why| map.serialize_entry("dark", why))
     }
@@ -301,13 +302,7 @@ impl ExplainedStep for ShiningLight {
         let pad = "  ".repeat(indent);
         writeln!(out, "{pad}light [{}] {}", self.index, self.kind)?;
         write_terms(&self.terms, out, indent + 1)?;
-        for &(id, t, factor) in &self.crossings {
-            let (geometry, factor) = (OriginTerms::new(scene, id), vector(rgb(factor)));
-            writeln!(
-                out,
-                "{pad}  in its way: {geometry} at t = {t:?}, factor {factor}"
-            )?;
-        }
+        write_crossings(scene, &self.crossings, out, indent + 1)?;
         self.dark
             .map_or(Ok(()), |why| writeln!(out, "{pad}  dark: {why}"))
     }
@@ -315,8 +310,35 @@ impl ExplainedStep for ShiningLight {
 
 /// A geometry in the way of a light.
 #[derive(Serialize)]
-struct Crossing<'a> {
+pub(super) struct Crossing<'a> {
     geometry: OriginTerms<'a>,
     t: f64,
     factor: [f64; 3],
+}
+
+/// Returns the geometries in the way of a light, in data.
+pub(super) fn crossings<'a>(scene: &'a Scene, all: &[(usize, f64, Radiance)]) -> Vec<Crossing<'a>> {
+    let crossing = |&(id, t, factor): &(usize, f64, Radiance)| Crossing {
+        geometry: OriginTerms::new(scene, id),
+        t,
+        factor: rgb(factor),
+    };
+    all.iter().map(crossing).collect()
+}
+
+/// Writes the geometries in the way of a light for people.
+pub(super) fn write_crossings(
+    scene: &Scene,
+    all: &[(usize, f64, Radiance)],
+    out: &mut String,
+    indent: usize,
+) -> fmt::Result {
+    let pad = "  ".repeat(indent);
+    all.iter().try_for_each(|&(id, t, factor)| {
+        let (geometry, factor) = (OriginTerms::new(scene, id), vector(rgb(factor)));
+        writeln!(
+            out,
+            "{pad}in its way: {geometry} at t = {t:?}, factor {factor}"
+        )
+    })
 }

@@ -249,7 +249,10 @@ pub(super) async fn why(
         let y = y.ok_or_else(|| refuse::impossible("the pixel is outside the picture"))?;
         let frame = scene.animation().map(|_| asked.frame);
         let camera = scene.camera();
-        Ok(Explanation::new(&scene, camera, frame, size, (asked.x, y), cancel)?.to_string())
+        Ok(
+            Explanation::new(&scene, camera, frame, size, ((asked.x, y), None), cancel)?
+                .to_string(),
+        )
     })
     .await
 }

@@ -30,6 +30,8 @@ use crate::{
 
 /// The number of emitters whose sums need no memory of their own.
 const FEW: usize = 16;
+/// The number of emitters whose probabilities are told.
+const SHOWN: usize = 8;
 /// The part of the way to a curved face by which the point that a ray meets may lie before the one that it
 /// was aimed at: 2⁻²⁰.
 const NEAR: f64 = 1.0 / (1 << 20) as f64;
@@ -62,6 +64,15 @@ enum Emitter {
     },
 }
 
+/// What an emitter is in the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmittedBy {
+    /// The light of this index.
+    Light(usize),
+    /// A face that shines.
+    Face(FaceId),
+}
+
 /// A direction to an emitter, and its light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aimed {
@@ -89,12 +100,9 @@ pub(super) struct Passing {
 impl Emitters {
     /// Lists the emitters of a world.
     pub(crate) fn new(world: &World) -> Self {
-        let lights = world.lights().iter().filter(|light| match light.source() {
-            Source::Everywhere | Source::Viewer => false,
-            Source::Surroundings | Source::Direction(_) | Source::Point { .. } => true,
-        });
+        let lights = aimed_at(world).map(|(_, light)| Emitter::of_light(light));
         let mut emitters = Self {
-            all: lights.map(Emitter::of_light).collect(),
+            all: lights.collect(),
             ..Self::default()
         };
         for (index, geometry) in world.geometries().iter().enumerate() {
@@ -265,6 +273,28 @@ impl Emitters {
         }
     }
 
+    /// Returns what an emitter is in the scene.
+    pub(super) fn emitted_by(&self, world: &World, number: usize) -> Option<EmittedBy> {
+        if let Emitter::Faces { first, .. } = self.all.get(number)? {
+            return Some(EmittedBy::Face(*first));
+        }
+        let mut lights = aimed_at(world).map(|(index, _)| EmittedBy::Light(index));
+        lights.nth(number)
+    }
+
+    /// Returns the probabilities of the first emitters at a point.
+    pub(super) fn first_probabilities(
+        &self,
+        world: &World,
+        point: DVec3,
+    ) -> impl Iterator<Item = (EmittedBy, f64)> {
+        let first = 0..self.all.len().min(SHOWN);
+        first.filter_map(move |number| {
+            let emitter = self.emitted_by(world, number)?;
+            Some((emitter, self.probability(point, number)))
+        })
+    }
+
     /// Returns the surroundings and their number.
     pub(super) fn environment(&self) -> Option<(&Environment, usize)> {
         let mut all = self.all.iter().enumerate();
@@ -312,6 +342,15 @@ impl Emitters {
             }
         }
     }
+}
+
+/// Returns the lights that paths aim at, and their indices.
+fn aimed_at(world: &World) -> impl Iterator<Item = (usize, &Light)> {
+    let lights = world.lights().iter().enumerate();
+    lights.filter(|(_, light)| match light.source() {
+        Source::Everywhere | Source::Viewer => false,
+        Source::Surroundings | Source::Direction(_) | Source::Point { .. } => true,
+    })
 }
 
 /// The extent of a light of a size.

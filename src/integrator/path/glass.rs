@@ -58,6 +58,8 @@ impl<Q: Queries> PathTracer<'_, Q> {
         }
         let fresnel = interface.fresnel(surface.n.dot(surface.v));
         let [_, u] = sampler.at(path.depth, Purpose::Choice);
+        self.number("reflected", "F", fresnel.reflected);
+        self.number("lobe", "u of F", u);
         let is_reflected = u < fresnel.reflected;
         let is_straight = interface.is_pane && !is_reflected;
         // The light of an emitter that is aimed at through a pane needs the half that is found by chance.

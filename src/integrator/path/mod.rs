@@ -9,6 +9,7 @@
 
 mod emitter_tree;
 pub(crate) mod emitters;
+pub(crate) mod explain;
 mod glass;
 pub(crate) mod sampler;
 #[cfg(test)]
@@ -26,7 +27,7 @@ use crate::{
     film::{parts::LightParts, size::Size},
     integrator::{
         Integrate,
-        direct::{Queries, Shaded},
+        direct::{Queries, Shaded, Step, Value},
         queue::{Lanes, Queue, Seen},
         surface::{Path, Surface},
     },
@@ -277,6 +278,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         if path.depth > self.max_depth + MOST_PANES {
             return None;
         }
+        self.queries.tell(Step::Ray(&path));
         let Some(met) = self.meet(&mut path) else {
             self.pass(&path, f64::INFINITY, state);
             self.escape(&path, state);
@@ -284,6 +286,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         };
         self.pass(&path, met.t * path.ray.direction().length(), state);
         let surface = met.surface(self.world, &path);
+        self.queries.tell(Step::Surface(&surface));
         state.first.get_or_insert(met.id);
         match met.interface {
             Some(interface) => self.interface(&surface, &interface, state, sampler),
@@ -362,6 +365,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let sum = &mut state.light[limited];
         let direct = light * state.direct;
         let specular = light * (Radiance::WHITE - state.direct);
+        self.queries.tell(Step::Adds(light));
         sum.parts = sum.parts + LightParts { direct, specular };
     }
 
@@ -385,7 +389,31 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             return 1.0;
         };
         let p = self.emitters.probability(from, number) * density;
-        q * q / (q * q + p * p)
+        let weight = q * q / (q * q + p * p);
+        self.number("found_density", "p of the emitter found", p);
+        self.number("found_weight", "w = q²/(q² + p²)", weight);
+        weight
+    }
+
+    /// Tells a number.
+    #[inline(always)]
+    fn number(&self, name: &'static str, symbol: &'static str, number: f64) {
+        self.queries
+            .tell(Step::Term(name, symbol, Value::Number(number)));
+    }
+
+    /// Tells light, or a factor of light.
+    #[inline(always)]
+    fn radiance(&self, name: &'static str, symbol: &'static str, light: Radiance) {
+        self.queries
+            .tell(Step::Term(name, symbol, Value::Light(light)));
+    }
+
+    /// Tells a unit vector.
+    #[inline(always)]
+    fn direction(&self, name: &'static str, symbol: &'static str, direction: DVec3) {
+        self.queries
+            .tell(Step::Term(name, symbol, Value::Vector(direction)));
     }
 
     /// Adds the light of emitters that a ray passes before a distance, other than a camera's ray.
@@ -453,6 +481,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         };
         let [emitter, lobe] = sampler.at(path.depth, Purpose::Choice);
         self.shine(&vertex, emitter, state, sampler);
+        self.number("lobe", "u of the lobe", lobe);
         match bsdf.sample(lobe, sampler.at(path.depth, Purpose::Direction)) {
             Onto::Mirror(factor) => mirrored(state, factor),
             Onto::Direction(l, is_diffuse) => {
@@ -473,6 +502,9 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let (surface, l) = (vertex.surface, vertex.frame.outward(l));
         let path = surface.path;
         let scattering = vertex.from(l);
+        self.direction("next_l", "l, the next direction", l);
+        self.radiance("next_f", "f, with the cosine", scattering.all);
+        self.number("next_density", "q, its density", scattering.density);
         if scattering.density <= 0.0 {
             return None;
         }
@@ -483,6 +515,8 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         if path.depth >= ROULETTE {
             let goes_on = factor.max_channel().min(MOST_LIKELY);
             let [u, _] = sampler.at(path.depth, Purpose::Roulette);
+            self.number("roulette", "u of the roulette", u);
+            self.number("goes_on", "s, the probability to go on", goes_on);
             if u >= goes_on {
                 return None;
             }
@@ -523,15 +557,26 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             self.add_scattered(state, path, scattering.diffuse_share(), light);
         }
         let point = surface.hit.point;
+        self.number("choice", "u of the emitter", u);
         let Some((number, probability)) = self.emitters.choose(point, u) else {
             return;
         };
+        if Q::LISTENS {
+            let (emitter, world) = (self.emitters.emitted_by(self.world, number), self.world);
+            self.queries.tell(Step::Emitter(emitter, probability));
+            for (emitter, probability) in self.emitters.first_probabilities(world, point) {
+                self.queries.tell(Step::OtherEmitter(emitter, probability));
+            }
+        }
         let pair = sampler.at(path.depth, Purpose::Emitter);
         let from = (point, self.start(surface));
         let Some(aim) = self.emitters.aim(self.world, number, from, pair) else {
             return;
         };
         let scattering = vertex.from(aim.l);
+        self.direction("light_l", "l to the emitter", aim.l);
+        self.radiance("light", "L of the emitter", aim.light);
+        self.radiance("light_f", "f, with the cosine", scattering.all);
         if scattering.all == Radiance::BLACK {
             return;
         }
@@ -545,6 +590,11 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         if transmission == Radiance::BLACK {
             return;
         }
+        self.radiance(
+            "transmission",
+            "T, the part that comes through",
+            transmission,
+        );
         let scattered = path.factor * scattering.all;
         let light = match aim.density {
             None => scattered * PI * aim.light * transmission / probability,
@@ -554,6 +604,9 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
                     true => scattering.density,
                     false => 0.0,
                 };
+                self.number("light_density", "p = P · density", p);
+                self.number("light_lobes", "q, the density of l by all lobes", q);
+                self.number("light_weight", "w = p²/(p² + q²)", p * p / (p * p + q * q));
                 scattered * aim.light * transmission * p / (p * p + q * q)
             }
         };

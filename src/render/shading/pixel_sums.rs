@@ -56,7 +56,7 @@ impl PixelSums {
     }
 
     /// Returns the standard error of the mean of all light.
-    pub(super) fn error(&self) -> Radiance {
+    pub(crate) fn error(&self) -> Radiance {
         Radiance {
             channels: self.variance().channels.map(f64::sqrt),
         }
