@@ -15,15 +15,18 @@ use crate::{
             color_by::ColorByModel,
             geometry::{
                 GeometryModel,
-                mesh::{OfVertices, ReadMesh},
+                mesh::{MeshModel, OfVertices, ReadMesh},
             },
+            material::MaterialsModel,
             scene::Model,
+            texture::TextureModel,
         },
         in_file,
         options::ReadOptions,
         place::Place,
-        problem::Problem,
+        problem::{Focus, Problem},
     },
+    text::nearest::quote,
     tracer::{color::Color, error::GeometryError, shape::mesh::Mesh},
 };
 
@@ -45,6 +48,8 @@ struct Wanted {
     colors: bool,
     /// The property whose values determine the colors.
     value: Option<Box<str>>,
+    /// True for the texture coordinates.
+    uv: bool,
 }
 
 /// Reads all mesh files of a scene into its model, each once, and returns their problems.
@@ -53,6 +58,10 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
     let mut known: BTreeMap<Wanted, MeshOfFile> = BTreeMap::new();
     for at in model.meshes_in_files() {
         let variant = model.path_of(at);
+        let Some(GeometryModel::Mesh(geometry)) = model.geometry(at) else {
+            continue;
+        };
+        let uv = needs_uv(geometry, model.materials.as_ref());
         let Some(GeometryModel::Mesh(geometry)) = model.geometry_mut(at) else {
             continue;
         };
@@ -72,6 +81,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             is_smooth,
             colors,
             value: by.as_ref().map(|by| by.column.clone()),
+            uv,
         };
         let before = problems.len();
         let locate = |problems: &mut Vec<Problem>| {
@@ -100,11 +110,31 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
                     by.as_ref(),
                     names,
                 ));
+                if uv && !mesh.mesh.has_uv() {
+                    problems.push(without_uv(&place));
+                }
             }
             named.mesh.clone_from(mesh);
         }
     }
     problems
+}
+
+/// Returns true if a mesh has a texture with the coordinates of its file.
+fn needs_uv(mesh: &MeshModel, materials: Option<&MaterialsModel>) -> bool {
+    let material = mesh.material.as_ref();
+    let described = material.and_then(|material| material.resolve(materials));
+    let texture = described.and_then(|material| material.texture());
+    mesh.color_by.is_none() && texture.is_some_and(TextureModel::is_natural)
+}
+
+fn without_uv(place: &Place) -> Problem {
+    let message = format!("{} has no texture coordinates", quote(place.file));
+    let path = place.variant.clone().field("material");
+    let problem = Problem::new(Code::MissingUv, path, Focus::Value, message);
+    problem.help(
+        "save the mesh with texture coordinates, in an OBJ or a PLY file, or give the texture a `mapping`",
+    )
 }
 
 /// Returns the problem of a file that does not determine the colors that are wanted of it.
@@ -143,6 +173,7 @@ fn open(
     let request = Request {
         colors: wanted.colors,
         value: wanted.value.as_deref(),
+        uv: wanted.uv,
         cancel: options.canceller(),
     };
     let file = options.until_cancelled(file);
@@ -169,6 +200,7 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
         colors,
         of_triangles,
         values,
+        uv,
         groups,
         ..
     } = file;
@@ -196,7 +228,7 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
         false => mesh,
     };
     Ok(ReadMesh {
-        mesh: mesh.with_groups(groups).into(),
+        mesh: mesh.with_uv(uv).with_groups(groups).into(),
         vertices,
     })
 }
@@ -205,7 +237,9 @@ fn problem(place: &Place, note: &Note) -> Problem {
     let code = match note.flaw {
         flaw if flaw.is_error() => Code::InvalidMesh,
         Flaw::Clamped => Code::ColorClamped,
-        Flaw::Behind | Flaw::NotFlat | Flaw::Crossing | Flaw::Colorless => Code::OddMesh,
+        Flaw::Behind | Flaw::NotFlat | Flaw::Crossing | Flaw::Colorless | Flaw::Untextured => {
+            Code::OddMesh
+        }
         _ => Code::NoEffect,
     };
     place.fault(code, &note.fault, note.count)

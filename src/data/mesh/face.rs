@@ -1,5 +1,7 @@
 //! The triangles of faces.
 
+use std::io;
+
 use crate::data::{
     fault::ReadError,
     mesh::{
@@ -60,6 +62,29 @@ impl MeshFile {
         Ok(())
     }
 
+    /// Adds the texture coordinates of the triangles of the next face, given those of its corners.
+    #[inline(always)]
+    pub(super) fn add_uv_corners(&mut self, corners: &[u32]) -> Result<(), ReadError> {
+        let [first, rest @ ..] = corners else {
+            return Ok(());
+        };
+        for pair in rest.windows(2) {
+            let triangle = [*first, pair[0], pair[1]];
+            push(&mut self.uv.corners, triangle, "triangles")?;
+        }
+        Ok(())
+    }
+
+    /// Gives the corners of triangles the texture coordinates of their vertices, unless they have their own.
+    pub(super) fn share_corners(&mut self) -> io::Result<()> {
+        if self.uv.all.is_empty() || !self.uv.corners.is_empty() {
+            return Ok(());
+        }
+        self.uv.corners.try_reserve_exact(self.triangles.len())?;
+        self.uv.corners.extend_from_slice(&self.triangles);
+        Ok(())
+    }
+
     /// Notes the line of the face that starts with a triangle.
     #[inline(always)]
     pub(super) fn start_face(&mut self, first: usize, place: FilePlace) -> Result<(), ReadError> {
@@ -109,15 +134,12 @@ impl MeshFile {
     /// Cuts a polygon anew if its fan is wrong; returns false if some of its vertices have not been
     /// read.
     pub(super) fn cut(&mut self, face: Early) -> bool {
-        let fan = face.first..face.first + face.corners - 2;
-        let Some(triangles) = self.triangles.get_mut(fan) else {
+        let range = face.first..face.first + face.corners - 2;
+        let Some(triangles) = self.triangles.get_mut(range.clone()) else {
             return true;
         };
-        let [start @ .., _] = triangles.first().copied().unwrap_or_default();
-        let ends = triangles.iter().map(|[.., end]| *end);
-        let vertices = start.into_iter().chain(ends);
         self.corners.clear();
-        for vertex in vertices.clone() {
+        for vertex in corners_of(triangles) {
             match self.vertices.get(vertex as usize) {
                 Some(at) => self.corners.push(*at),
                 None => return false,
@@ -137,11 +159,11 @@ impl MeshFile {
                 }
                 _ => None,
             };
-            let vertices: Vec<u32> = vertices.collect();
             match cut {
                 Some(Some(cut)) => {
-                    for (triangle, corners) in triangles.iter_mut().zip(cut) {
-                        *triangle = corners.map(|corner| vertices[corner]);
+                    recut(triangles, &cut);
+                    if let Some(of_uv) = self.uv.corners.get_mut(range) {
+                        recut(of_uv, &cut);
                     }
                 }
                 Some(None) => crossing = Some("the edges of a face cross"),
@@ -162,5 +184,20 @@ impl MeshFile {
             });
         }
         true
+    }
+}
+
+/// Returns the corners of a fan.
+fn corners_of(fan: &[[u32; 3]]) -> impl Iterator<Item = u32> {
+    let [start @ .., _] = fan.first().copied().unwrap_or_default();
+    let ends = fan.iter().map(|[.., end]| *end);
+    start.into_iter().chain(ends)
+}
+
+/// Replaces the triangles of a fan by others, given as the numbers of its corners.
+fn recut(fan: &mut [[u32; 3]], cut: &[[usize; 3]]) {
+    let all: Vec<u32> = corners_of(fan).collect();
+    for (triangle, corners) in fan.iter_mut().zip(cut) {
+        *triangle = corners.map(|corner| all[corner]);
     }
 }

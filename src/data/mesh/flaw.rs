@@ -26,6 +26,8 @@ pub(crate) enum Flaw {
     Crossing,
     /// A vertex without a color among others with one.
     Colorless,
+    /// A face without texture coordinates among others with some.
+    Untextured,
     /// A color channel outside 0 to 1.
     Clamped,
     /// Materials, which are not read.
@@ -51,6 +53,7 @@ impl Flaw {
             | Self::NotFlat
             | Self::Crossing
             | Self::Colorless
+            | Self::Untextured
             | Self::Clamped
             | Self::Material
             | Self::NotFace

@@ -2,6 +2,28 @@
 
 use std::io;
 
+use crate::data::{fault::most_listed, mesh::Flaw};
+
+/// The lines of a flaw: the first ones, and the number of all.
+#[derive(Default)]
+pub(super) struct FlawedLines {
+    lines: Vec<u64>,
+    count: usize,
+}
+
+impl FlawedLines {
+    pub(super) fn add(&mut self, flaw: Flaw, line: u64) {
+        if self.lines.len() < most_listed(flaw.is_error()) {
+            self.lines.push(line);
+        }
+        self.count += 1;
+    }
+
+    pub(super) fn all(&self) -> (&[u64], usize) {
+        (&self.lines, self.count)
+    }
+}
+
 /// The first triangle of a face, and the line of the face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Start {

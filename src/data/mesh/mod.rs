@@ -35,7 +35,10 @@ use crate::{
     },
     parallel::Cancel,
     text::{nearest::quote, syntax::Decimal},
-    tracer::{shape::mesh::MeshGroup, vector::is_direction},
+    tracer::{
+        shape::mesh::{MeshGroup, MeshUv},
+        vector::is_direction,
+    },
 };
 
 /// The file format of a mesh.
@@ -76,6 +79,8 @@ pub(crate) struct Request<'a> {
     pub(crate) colors: bool,
     /// The name of the property whose values determine the colors.
     pub(crate) value: Option<&'a str>,
+    /// True to read texture coordinates.
+    pub(crate) uv: bool,
     /// Ends the reading early; the file fails then as well.
     pub(crate) cancel: Option<&'a Cancel>,
 }
@@ -91,6 +96,8 @@ pub(crate) struct MeshFile {
     pub(crate) of_triangles: Vec<[f64; 3]>,
     /// The value of each vertex that determines its color; empty if the file has no such property.
     pub(crate) values: Vec<f64>,
+    /// The texture coordinates; empty if the file has none.
+    pub(crate) uv: MeshUv,
     /// The names of the properties of a vertex.
     pub(crate) names: Names,
     /// The named groups of an OBJ file and the solids of an STL file.
@@ -236,11 +243,20 @@ impl MeshFile {
         push(&mut self.colors, color, "colors")
     }
 
+    /// Adds a pair of texture coordinates.
+    #[inline(always)]
+    fn add_uv(&mut self, uv: [f64; 2], place: FilePlace) -> Result<(), ReadError> {
+        if let Some(number) = uv.into_iter().find(|number| !number.is_finite()) {
+            self.note(Flaw::NotFinite, || infinite(number, place));
+        }
+        push(&mut self.uv.all, uv, "texture coordinates")
+    }
+
     /// Gives a color to the triangles that have none yet, which are those of the last face.
     #[inline(always)]
     fn color_triangles(&mut self, color: [f64; 3], place: FilePlace) -> Result<(), ReadError> {
         if let Some(channel) = self.clamp(color, place) {
-            self.note(Flaw::NotFinite, || not_a_channel(channel, place));
+            self.note(Flaw::NotFinite, || infinite(channel, place));
         }
         while self.of_triangles.len() < self.triangles.len() {
             push(&mut self.of_triangles, color, "colors")?;
@@ -357,7 +373,7 @@ impl MeshFile {
             }
             let at = self.vertices.get(vertex).copied().unwrap_or_default();
             self.note(Flaw::NotFinite, || match channel {
-                Some(channel) => not_a_channel(channel, place),
+                Some(channel) => infinite(channel, place),
                 None => not_finite(at, place),
             });
         }
@@ -392,9 +408,9 @@ fn reserve<T>(all: &mut Vec<T>, count: usize) -> io::Result<()> {
 }
 
 #[cold]
-fn not_a_channel(channel: f64, place: FilePlace) -> Fault {
-    let at = place.at().part(LinePart::Number(channel));
-    at.fault(format!("expected a finite number, found `{channel}`"))
+fn infinite(number: f64, place: FilePlace) -> Fault {
+    let at = place.at().part(LinePart::Number(number));
+    at.fault(format!("expected a finite number, found `{number}`"))
 }
 
 #[cold]

@@ -1,8 +1,8 @@
 //! The vertices and faces of an OBJ file, with the names of its groups.
 //!
 //! The format is Wavefront's (Object Files, Appendix B1 of the Advanced Visualizer manual), with the
-//! colors after the coordinates that later programs write. Normals and texture coordinates are
-//! skipped; materials, lines, points and curves are skipped with a warning.
+//! colors after the coordinates that later programs write. Texture coordinates are read if they are
+//! wanted. Normals are skipped; materials, lines, points and curves are skipped with a warning.
 
 use std::io::Read;
 
@@ -10,14 +10,17 @@ use glam::DVec3;
 
 use crate::{
     data::{
-        fault::{At, Fault, LinePart, ReadError, most_listed},
-        mesh::{Flaw, MOST, MeshFile, Request, place::FilePlace, push, stream::Stream},
+        fault::{At, Fault, LinePart, ReadError},
+        mesh::{
+            Flaw, MOST, MeshFile, Request, lines::FlawedLines, place::FilePlace, push,
+            stream::Stream,
+        },
     },
     text::nearest::quote,
-    tracer::shape::mesh::MeshGroup,
+    tracer::shape::mesh::{MeshGroup, MeshUv},
 };
 
-/// Statements that say nothing about faces, besides those of texture coordinates and normals.
+/// Statements that say nothing about faces, besides those of normals.
 const SKIPPED: &str = "vp s mg deg bmat step cstype parm trim hole scrv sp end con bevel c_interp d_interp \
     lod maplib usemap shadow_obj trace_obj ctech stech call csh res bzp bsp cdc cdp";
 
@@ -26,9 +29,11 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let mut reader = Reader {
         mesh: MeshFile::new(request),
         has_colors: request.colors && request.value.is_none(),
-        whites: Vec::new(),
-        white_count: 0,
+        has_uv: request.uv,
+        whites: FlawedLines::default(),
+        bare: FlawedLines::default(),
         corners: Vec::new(),
+        of_uv: Vec::new(),
         later: Vec::new(),
     };
     while let Some((line, text)) = file.line(is_continued)? {
@@ -79,14 +84,46 @@ struct Reader {
     mesh: MeshFile,
     /// True if colors are read.
     has_colors: bool,
-    /// The lines of the first vertices without a color, and the number of all of these.
-    whites: Vec<u64>,
-    white_count: usize,
-    /// The corners of a face.
+    /// True if texture coordinates are read.
+    has_uv: bool,
+    /// The lines of the vertices without a color.
+    whites: FlawedLines,
+    /// The lines of the faces without texture coordinates.
+    bare: FlawedLines,
+    /// The corners of a face, and the texture coordinates of these.
     corners: Vec<u32>,
-    /// The lines that name vertices before they are given, with the vertex, from 1.
-    later: Vec<(u64, u32)>,
+    of_uv: Vec<u32>,
+    /// The lines that name vertices before they are given, with the vertex.
+    later: Vec<(u64, Numbered, u32)>,
 }
+
+/// What the numbers in a face stand for.
+#[derive(Clone, Copy)]
+enum Numbered {
+    Vertex,
+    TextureVertex,
+}
+
+impl Numbered {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::TextureVertex => "texture vertex",
+        }
+    }
+
+    /// Returns how many of them there are.
+    #[inline(always)]
+    const fn count(self, mesh: &MeshFile) -> usize {
+        match self {
+            Self::Vertex => mesh.vertices.len(),
+            Self::TextureVertex => mesh.uv.all.len(),
+        }
+    }
+}
+
+/// The number of the texture coordinates of a corner that has none: no mesh has so many.
+const NO_UV: u32 = u32::MAX;
 
 impl Reader {
     #[inline(always)]
@@ -98,6 +135,7 @@ impl Reader {
         };
         let is_data = |word: &&[u8]| !word.starts_with(b"#");
         match keyword {
+            b"vt" if self.has_uv => self.texture_vertex(line, words.take_while(is_data))?,
             b"vn" | b"vt" => {}
             b"v" => self.vertex(line, words.take_while(is_data))?,
             b"f" | b"fo" => self.face(line, words.take_while(is_data))?,
@@ -154,12 +192,27 @@ impl Reader {
             self.white()?;
             self.mesh.add_color([r, g, b], place)?;
         } else {
-            if self.white_count < most_listed(Flaw::Colorless.is_error()) {
-                self.whites.push(line);
-            }
-            self.white_count += 1;
+            self.whites.add(Flaw::Colorless, line);
         }
         self.mesh.add_vertex(DVec3::new(x, y, z), place)
+    }
+
+    #[inline(always)]
+    fn texture_vertex<'t>(
+        &mut self,
+        line: u64,
+        words: impl Iterator<Item = &'t [u8]>,
+    ) -> Result<(), ReadError> {
+        let place = FilePlace::line(line);
+        // What may be missing is 0; the third is of solid textures.
+        let ([u, v, _], count) = self.mesh.numbers(line, words);
+        if !matches!(count, 1..=3) {
+            self.mesh.note(Flaw::Length, || {
+                let fault = place.fault(format!("{count} numbers in a texture vertex"));
+                fault.help("write u and v")
+            });
+        }
+        self.mesh.add_uv([u, v], place)
     }
 
     /// Gives white to the vertices without a color.
@@ -178,56 +231,101 @@ impl Reader {
         line: u64,
         words: impl Iterator<Item = &'t [u8]>,
     ) -> Result<(), ReadError> {
-        let before = self.mesh.vertices.len();
         self.corners.clear();
+        self.of_uv.clear();
         for word in words {
-            // The numbers of a texture coordinate and of a normal follow.
-            let vertex = word.split(|byte| *byte == b'/').next().unwrap_or_default();
-            let index = str::from_utf8(vertex)
-                .ok()
-                .and_then(|text| text.parse().ok());
-            let Some(index) = index else {
-                self.mesh.note(Flaw::Number, || {
-                    let word = String::from_utf8_lossy(word);
-                    let at = At::line(line).word(&*word);
-                    let fault = at.fault(format!("{} is not a corner of a face", quote(&word)));
-                    fault.help("write the number of a vertex, or `vertex/texture/normal`")
-                });
+            // The numbers of a texture vertex and of a normal follow.
+            let mut parts = word.split(|byte| *byte == b'/');
+            let vertex = (Numbered::Vertex, parts.next().unwrap_or_default());
+            let Some(corner) = self.corner(line, word, vertex)? else {
                 return Ok(());
             };
-            let Some(corner) = corner(index, before) else {
-                self.mesh.note(Flaw::Index, || missing(line, index, before));
-                return Ok(());
-            };
-            if corner as usize >= before {
-                push(&mut self.later, (line, corner), "corners")?;
-            }
             push(&mut self.corners, corner, "corners")?;
+            if !self.has_uv {
+                continue;
+            }
+            let uv = match parts.next() {
+                None | Some([]) => Some(NO_UV),
+                Some(part) => self.corner(line, word, (Numbered::TextureVertex, part))?,
+            };
+            let Some(uv) = uv else {
+                return Ok(());
+            };
+            push(&mut self.of_uv, uv, "corners")?;
         }
+        if self.of_uv.contains(&NO_UV) {
+            self.bare.add(Flaw::Untextured, line);
+        }
+        // Before the face, which may be cut in another way.
+        self.mesh.add_uv_corners(&self.of_uv)?;
         self.mesh.add_face(&self.corners, FilePlace::line(line))
+    }
+
+    /// Returns the vertex that a part of a word stands for, unless it is at fault.
+    #[inline(always)]
+    fn corner(
+        &mut self,
+        line: u64,
+        word: &[u8],
+        (kind, part): (Numbered, &[u8]),
+    ) -> Result<Option<u32>, ReadError> {
+        let before = kind.count(&self.mesh);
+        let index = str::from_utf8(part).ok().and_then(|text| text.parse().ok());
+        let Some(index) = index else {
+            self.mesh.note(Flaw::Number, || {
+                let word = String::from_utf8_lossy(word);
+                let at = At::line(line).word(&*word);
+                let fault = at.fault(format!("{} is not a corner of a face", quote(&word)));
+                fault.help("write the number of a vertex, or `vertex/texture/normal`")
+            });
+            return Ok(None);
+        };
+        let corner = corner(index, before);
+        match corner {
+            None => {
+                let fault = || missing(line, kind, index, before);
+                self.mesh.note(Flaw::Index, fault);
+            }
+            Some(corner) if corner as usize >= before => {
+                push(&mut self.later, (line, kind, corner), "corners")?;
+            }
+            Some(_) => {}
+        }
+        Ok(corner)
     }
 
     fn finish(mut self) -> Result<MeshFile, ReadError> {
         if !self.mesh.colors.is_empty() {
             self.white()?;
-            let whites = (&*self.whites, self.white_count);
-            self.mesh.note_all(Flaw::Colorless, whites, |line| {
-                let fault = At::line(*line).fault("a vertex without a color is white");
-                fault.help("give all vertices a color, or none")
-            });
+            self.mesh
+                .note_all(Flaw::Colorless, self.whites.all(), |line| {
+                    let fault = At::line(*line).fault("a vertex without a color is white");
+                    fault.help("give all vertices a color, or none")
+                });
         }
-        let count = self.mesh.vertices.len();
-        for (line, corner) in self.later {
+        if self.mesh.uv.corners.iter().flatten().all(|uv| *uv == NO_UV) {
+            self.mesh.uv = MeshUv::default();
+        } else {
+            self.mesh
+                .note_all(Flaw::Untextured, self.bare.all(), |line| {
+                    let fault = At::line(*line);
+                    let fault = fault.fault("a face without texture coordinates shows no texture");
+                    fault.help("give all faces texture coordinates, or none")
+                });
+        }
+        for (line, kind, corner) in self.later {
+            let count = kind.count(&self.mesh);
             if corner as usize >= count {
                 let index = i64::from(corner) + 1;
-                self.mesh.note(Flaw::Index, || missing(line, index, count));
+                let fault = || missing(line, kind, index, count);
+                self.mesh.note(Flaw::Index, fault);
             }
         }
         Ok(self.mesh)
     }
 }
 
-/// Returns the vertex that a number in a face stands for, with `before` vertices before it: from 1,
+/// Returns the vertex that a number in a face stands for, with `before` of them before it: from 1,
 /// or from -1 backwards. It may be one that the file does not have.
 #[inline(always)]
 fn corner(index: i64, before: usize) -> Option<u32> {
@@ -242,15 +340,13 @@ fn corner(index: i64, before: usize) -> Option<u32> {
 }
 
 #[cold]
-fn missing(line: u64, index: i64, vertices: usize) -> Fault {
-    let message = match (index, vertices) {
-        (0, _) => "vertex 0 does not exist, the first is 1".to_owned(),
-        (_, 0) => format!("vertex {index} does not exist, there are none"),
-        (..0, _) => format!("vertex {index} does not exist, there are {vertices} before it"),
-        (1.., _) => {
-            format!("vertex {index} does not exist, the file has {vertices}, 1 to {vertices}")
-        }
+fn missing(line: u64, kind: Numbered, index: i64, vertices: usize) -> Fault {
+    let why = match (index, vertices) {
+        (0, _) => "the first is 1".to_owned(),
+        (_, 0) => "there are none".to_owned(),
+        (..0, _) => format!("there are {vertices} before it"),
+        (1.., _) => format!("the file has {vertices}, 1 to {vertices}"),
     };
     let at = At::line(line).part(LinePart::Number(index as f64));
-    at.fault(message)
+    at.fault(format!("{} {index} does not exist, {why}", kind.name()))
 }

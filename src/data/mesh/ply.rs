@@ -1,7 +1,7 @@
 //! The vertices and faces of a PLY file: text, or binary in either byte order.
 //!
-//! The header is that of tables. Of a vertex, its place, its color and the property whose values
-//! determine the colors are read; of a face, the list of its vertices, and its color if the vertices
+//! The header is that of tables. Of a vertex, its place, its color, the property whose values
+//! determine the colors and its texture coordinates are read; of a face, the list of its vertices, and its color if the vertices
 //! have none. All else is skipped.
 
 use std::io::Read;
@@ -56,6 +56,7 @@ pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<Mes
     let mut reader = Reader {
         encoding: header.encoding,
         selection,
+        uv: Selection::of_uv(vertex).filter(|_| request.uv),
         of_face: None,
         vertices: vertex.rows,
         row: PlyRow::default(),
@@ -98,6 +99,8 @@ fn corners(element: &Element) -> Result<Option<usize>, Fault> {
 struct Reader {
     encoding: Encoding,
     selection: Selection,
+    /// The texture coordinates of a vertex.
+    uv: Option<[Selected; 2]>,
     /// The color of a row of the element that is read, if it has triangles.
     of_face: Option<[Selected; 3]>,
     /// The number of vertices.
@@ -144,7 +147,8 @@ impl Reader {
         }
         let wanted: Vec<bool> = (0..element.properties.len())
             .map(|index| {
-                let mut selected = self.selection.iter();
+                let uv = self.uv.iter().flatten();
+                let mut selected = self.selection.iter().chain(uv);
                 is_vertex && selected.any(|selected| selected.index == index)
                     || corners == Some(index)
                     || self
@@ -162,6 +166,9 @@ impl Reader {
             }
             if has[VALUE] {
                 reserve(&mut mesh.values, element.rows)?;
+            }
+            if self.uv.is_some() {
+                reserve(&mut mesh.uv.all, element.rows)?;
             }
         } else if is_face {
             // The row of a triangle is longer than the shortest by its corners.
@@ -264,6 +271,9 @@ impl Reader {
         }
         if let Some(value) = number(VALUE) {
             mesh.values.push(value);
+        }
+        if let Some(uv) = &self.uv {
+            mesh.add_uv(uv.map(|each| self.row.number(each.index)), place)?;
         }
         Ok(())
     }

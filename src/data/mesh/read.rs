@@ -25,6 +25,7 @@ impl MeshFile {
             Format::Stl => stl::read(file, length, request)?.with_coordinates(request)?,
         };
         mesh.check(format)?;
+        mesh.share_corners()?;
         Ok(mesh)
     }
 }

@@ -1,6 +1,7 @@
 //! Mesh files of every kind, whole and broken.
 
 mod lenient;
+mod uv;
 
 use std::{
     fmt::Write as _,
@@ -26,7 +27,11 @@ fn try_read(bytes: &[u8], format: Format, value: Option<&str>) -> Result<MeshFil
         value,
         ..Request::default()
     };
-    let read = MeshFile::read(bytes, bytes.len() as u64, format, &request);
+    try_request(bytes, format, &request)
+}
+
+fn try_request(bytes: &[u8], format: Format, request: &Request) -> Result<MeshFile, String> {
+    let read = MeshFile::read(bytes, bytes.len() as u64, format, request);
     read.map_err(|error| match error {
         ReadError::Io(error) => panic!("{error}"),
         ReadError::Invalid(fault) => match fault.help {
@@ -594,6 +599,16 @@ const STRIPS: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\
                       vertex_indices\nend_header\n0 0 0\n4 0 0\n0 4 0\n4 4 0\n7 0 1 2 3 -1 0 2\n4 \
                       3 2 1 0\n";
 
+/// A file of text with texture coordinates.
+const TEXTURED: &str = "ply\nformat ascii 1.0\nelement face 1\nproperty list int int vertex_indices\n\
+                        element vertex 4\nproperty float x\nproperty float s\nproperty float y\n\
+                        property float z\nproperty float t\nend_header\n4 0 1 2 3\n0 0 0 0 0\n4 1 0 \
+                        0 0\n1 1 1 0 1\n0 0 4 0 1\n";
+
+/// The same, a pair for each corner, before and after the faces.
+const CORNERS_WITH_UV: &str = "v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nvt 0 0\nf 2/1 1/2 4/1 3/-1\nvt 1 1 \
+                               1\nf 1/1 2/2 3/2 4/1\nf 1/1 2/1 3\n";
+
 /// Faces that are not convex, before and after their vertices.
 const CONCAVE: &str = "f 1 2 3 4 5\nv 0 0 0\nv 4 0 0 1 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 2 3 4 5 1\nf \
                        4 3 2 1 5\nf 1 3 2 4 5\n";
@@ -621,6 +636,8 @@ fn any_bytes_are_read_or_refused() {
         (shape.binary_stl("solid"), Format::Stl),
         (shape.faces_with_colors(), Format::Ply),
         (STRIPS.as_bytes().to_vec(), Format::Ply),
+        (TEXTURED.as_bytes().to_vec(), Format::Ply),
+        (CORNERS_WITH_UV.as_bytes().to_vec(), Format::Obj),
         (CONCAVE.as_bytes().to_vec(), Format::Obj),
     ];
     let pieces = [
@@ -659,8 +676,13 @@ fn any_bytes_are_read_or_refused() {
                 _ => drop(bytes.splice(at..end, rng.one(&pieces).bytes())),
             }
         }
-        let value = rng.one(&[None, Some("z")]);
-        let Ok(mesh) = try_read(&bytes, *format, value) else {
+        let request = Request {
+            colors: true,
+            value: rng.one(&[None, Some("z")]),
+            uv: rng.below(2) == 0,
+            ..Request::default()
+        };
+        let Ok(mesh) = try_request(&bytes, *format, &request) else {
             continue;
         };
         let most = bytes.len() + 64;
@@ -678,6 +700,9 @@ fn any_bytes_are_read_or_refused() {
         assert!(of_triangles == 0 || of_triangles == mesh.triangles.len());
         assert!(mesh.colors.is_empty() || mesh.colors.len() == count);
         assert!(mesh.values.is_empty() || mesh.values.len() == count);
+        let of_uv = mesh.uv.corners.len();
+        assert!(of_uv == 0 || of_uv == mesh.triangles.len());
+        assert_eq!(of_uv == 0, mesh.uv.all.is_empty());
     }
     assert!(whole > count / 50, "nearly everything is refused: {whole}");
 }

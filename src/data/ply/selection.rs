@@ -29,6 +29,9 @@ const DIFFUSE: [Option<&str>; 3] = [
 /// The names of one number with all channels, as the Point Cloud Library writes them.
 const PACKED: [&str; 2] = ["rgb", "rgba"];
 
+/// The names of the texture coordinates of a vertex.
+const UV: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+
 /// The properties of the color of an element, if it has one.
 #[derive(Clone, Copy)]
 enum ColorOf {
@@ -99,6 +102,16 @@ impl Selected {
         }
     }
 
+    /// Selects the property with a name, if it is a number.
+    fn named(element: &Element, name: &str) -> Option<Self> {
+        let mut properties = element.properties.iter().enumerate();
+        let (index, property) = properties.find(|(_, property)| property.name == name)?;
+        match property.kind {
+            Type::Scalar(scalar) => Some(Self::new(index, scalar)),
+            Type::List { .. } => None,
+        }
+    }
+
     /// Returns the number that a value of the property stands for.
     #[inline(always)]
     pub(crate) fn number(&self, value: f64) -> f64 {
@@ -143,22 +156,19 @@ impl Selection {
 
     /// Selects the color of a face, if it has one.
     pub(crate) fn of_face(face: &Element) -> Option<[Selected; 3]> {
-        let indices = match ColorOf::new(face) {
+        let [red, green, blue] = match ColorOf::new(face) {
             ColorOf::Packed(index) => return packed(face, index),
-            ColorOf::Channels(names) => names.map(|name| {
-                let mut properties = face.properties.iter();
-                properties.position(|property| Some(property.name.as_str()) == name)
-            }),
+            ColorOf::Channels(names) => names.map(|name| Selected::named(face, name?)),
         };
-        let selected = |index: Option<usize>| {
-            let property = index.and_then(|index| face.properties.get(index));
-            match (index, property.map(|property| property.kind)) {
-                (Some(index), Some(Type::Scalar(scalar))) => Some(Selected::new(index, scalar)),
-                _ => None,
-            }
-        };
-        let [red, green, blue] = indices.map(selected);
         Some([red?, green?, blue?].map(channel))
+    }
+
+    /// Selects the texture coordinates of a vertex, if it has some.
+    pub(crate) fn of_uv(vertex: &Element) -> Option<[Selected; 2]> {
+        UV.into_iter().find_map(|names| {
+            let [u, v] = names.map(|name| Selected::named(vertex, name));
+            Some([u?, v?])
+        })
     }
 
     fn new(

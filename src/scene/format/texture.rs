@@ -94,7 +94,7 @@ variants! {
 
 object! {
     /// The coordinates of the shape: of a sphere longitude and latitude, of a cylinder angle and height, of a rectangle its
-    /// edges, all from 0 to 1; of a plane two coordinates.
+    /// edges, all from 0 to 1; of a plane two coordinates; of a mesh those of its OBJ or PLY file.
     #[derive(Default)]
     pub struct NaturalMappingModel = "Natural" {}
 }

@@ -160,9 +160,13 @@ impl Found {
         if geometry.operation().is_some() {
             self.no_effect(path, OF_SOLID);
         } else if let GeometryModel::Mesh(mesh) = geometry {
+            // `meshes.rs` reports a file without coordinates.
             if mesh.color_by.is_some() {
                 self.no_effect(path, "the colors of `color_by` replace the texture");
-            } else if texture.is_natural() && !self.tally.only_counts(Code::MissingUv) {
+            } else if mesh.file.is_none()
+                && texture.is_natural()
+                && !self.tally.only_counts(Code::MissingUv)
+            {
                 let message = "the mesh has no texture coordinates";
                 let problem = Problem::new(Code::MissingUv, path, Focus::Value, message);
                 self.push(problem.help(

@@ -31,8 +31,19 @@ pub struct Mesh {
     around: Around,
     /// The unit normals of the vertices if the mesh is smooth; 0 where there is none.
     normals: Option<Box<[DVec3]>>,
+    uv: MeshUv,
     groups: Box<[MeshGroup]>,
     index: Indexed<dyn Index>,
+}
+
+/// The texture coordinates of the corners of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct MeshUv {
+    /// All coordinates, in any order.
+    pub(crate) all: Vec<[f64; 2]>,
+    /// The numbers of those of the corners of each triangle; a triangle with a corner without any, whose number
+    /// does not exist, has none. Empty if no triangle has some.
+    pub(crate) corners: Vec<[u32; 3]>,
 }
 
 /// A name for triangles of a mesh: from one on, up to the first of the next name.
@@ -137,6 +148,7 @@ impl Mesh {
             vertices: vertices.into(),
             triangles: triangles.into(),
             normals: None,
+            uv: MeshUv::default(),
             groups: Box::default(),
             index: Indexed::none(),
         };
@@ -167,6 +179,24 @@ impl Mesh {
             normals: Some(normals.collect()),
             ..self
         }
+    }
+
+    /// Gives the corners of triangles texture coordinates.
+    #[must_use]
+    pub(crate) fn with_uv(self, uv: MeshUv) -> Self {
+        Self { uv, ..self }
+    }
+
+    /// Returns the texture coordinates of the corners of a triangle, if it has some.
+    pub(crate) fn corner_uv(&self, face: u64) -> Option<[[f64; 2]; 3]> {
+        let numbers = *self.uv.corners.get(face as usize)?;
+        let [a, b, c] = numbers.map(|number| self.uv.all.get(number as usize).copied());
+        Some([a?, b?, c?])
+    }
+
+    /// Returns true if triangles have texture coordinates.
+    pub(crate) const fn has_uv(&self) -> bool {
+        !self.uv.corners.is_empty()
     }
 
     /// Gives names to triangles. What the mesh looks like, and whether it is equal to another, does not
@@ -375,7 +405,11 @@ impl Mesh {
         let corners = self.triangles.iter().flatten();
         let is_smooth = f64::from(u8::from(self.is_smooth()));
         let corners = corners.map(|corner| f64::from(*corner));
-        vertices.chain(corners).chain([is_smooth])
+        let uv = self.uv.all.iter().flatten().copied();
+        let of_uv = self.uv.corners.iter().flatten();
+        let of_uv = of_uv.map(|number| f64::from(*number));
+        let flat = vertices.chain(corners).chain([is_smooth]);
+        flat.chain(uv).chain(of_uv)
     }
 
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
@@ -510,7 +544,8 @@ impl PartialEq for Mesh {
         std::ptr::eq(self, other)
             || (self.is_smooth() == other.is_smooth()
                 && self.vertices == other.vertices
-                && self.triangles == other.triangles)
+                && self.triangles == other.triangles
+                && self.uv == other.uv)
     }
 }
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::tracer::{
     sampling::LocalFrame,
     shape::{Shape, axis::Axis},
-    vector::unit,
+    vector::{unit, weighted},
 };
 
 /// The direction in the middle of what goes around a ball, unless another is given.
@@ -30,7 +30,7 @@ fn turn(right: f64, front: f64) -> f64 {
 
 impl Shape {
     /// Returns the coordinates of a point on a face, if the shape has some: all in 0..=1 but those of a plane,
-    /// which are lengths.
+    /// which are lengths, and those of a mesh, which are any.
     pub(crate) fn uv(&self, point: DVec3, face: u64) -> Option<[f64; 2]> {
         Some(match self {
             Self::Plane(plane) => {
@@ -90,7 +90,14 @@ impl Shape {
                     _ => [part.x, part.y],
                 }
             }
-            Self::Mesh(_) | Self::Solid(_) | Self::Placed(_) | Self::Instances(_) => return None,
+            Self::Mesh(mesh) => {
+                let [a, b, c] = mesh.corners(face)?;
+                let uv = mesh.corner_uv(face)?;
+                let [of_b, of_c] = weights([b - a, c - a], point - a);
+                let weights = [1.0 - of_b - of_c, of_b, of_c];
+                [0, 1].map(|axis| weighted(uv.map(|corner| corner[axis]), weights))
+            }
+            Self::Solid(_) | Self::Placed(_) | Self::Instances(_) => return None,
         })
     }
 }
@@ -118,8 +125,16 @@ fn weights([e, f]: [DVec3; 2], q: DVec3) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::tracer::shape::{
-        capsule::Capsule, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, plane::Plane,
-        rectangle::Rectangle, sphere::Sphere, torus::Torus, triangle::Triangle,
+        capsule::Capsule,
+        cuboid::Cuboid,
+        cylinder::Cylinder,
+        disc::Disc,
+        mesh::{Mesh, MeshUv},
+        plane::Plane,
+        rectangle::Rectangle,
+        sphere::Sphere,
+        torus::Torus,
+        triangle::Triangle,
     };
 
     #[track_caller]
@@ -200,5 +215,32 @@ mod tests {
         check(cube(), 5, &[([0.25, 0.75, 1.0], [0.25, 0.75])]);
         check(cube(), 1, &[([1.0, 0.75, 0.25], [0.75, 0.75])]);
         check(cube(), 3, &[([0.25, 1.0, 0.25], [0.25, 0.75])]);
+    }
+
+    #[test]
+    fn coordinates_of_a_mesh_are_those_of_its_corners() {
+        let vertices = vec![DVec3::ZERO, 2.0 * DVec3::X, DVec3::ONE, DVec3::Y];
+        let mesh = || Mesh::new(vertices.clone(), vec![[0, 1, 3], [3, 0, 2], [0, 1, 2]]).unwrap();
+        let uv = MeshUv {
+            all: vec![[0.0, 1.0], [4.0, 1.0], [0.0, -3.0]],
+            corners: vec![[0, 1, 2], [0, 0, 1], [0, 1, 3]],
+        };
+        let textured = mesh().with_uv(uv);
+        assert_ne!(mesh(), textured);
+        assert_ne!(
+            mesh().numbers().collect::<Vec<_>>(),
+            textured.numbers().collect::<Vec<_>>()
+        );
+        let textured = Shape::from(textured);
+        let points = [
+            ([0.0, 0.0, 0.0], [0.0, 1.0]),
+            ([2.0, 0.0, 0.0], [4.0, 1.0]),
+            ([0.0, 1.0, 0.0], [0.0, -3.0]),
+            ([1.0, 0.25, 0.0], [2.0, 0.0]),
+        ];
+        check(textured.clone(), 0, &points);
+        check(textured.clone(), 1, &[([0.25, 0.5, 0.25], [1.0, 1.0])]);
+        assert_eq!(textured.uv(DVec3::ZERO, 2), None);
+        assert_eq!(Shape::from(mesh()).uv(DVec3::ZERO, 0), None);
     }
 }
