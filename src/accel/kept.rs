@@ -155,11 +155,8 @@ impl Kept {
         for place in &places {
             geometries[*place] = world.geometries()[random.below(geometries.len())].clone();
         }
-        let other = World::new(geometries, world.background());
-        let other = match world.lighting() {
-            Some(lighting) => other.lit(lighting.clone()),
-            None => other,
-        };
+        let mut other = World::new(geometries, world.background());
+        other.surround(world.clone());
         let places = places.into_iter().map(|place| place..place + 1);
         Some((Self::new(world, places)?, other.without_indices()))
     }

@@ -10,8 +10,8 @@ use std::{
 
 use serde::Serialize;
 use strahl::{
-    Camera, Document, RenderOptions, Scene, Size, film::Samples, parallel::Cancel, render::Seen,
-    text::Stamp,
+    Camera, Document, RenderOptions, Scene, Size, film::Samples, light::Backdrop, parallel::Cancel,
+    render::Seen, text::Stamp,
 };
 
 use self::{
@@ -104,6 +104,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             let color = scene.world().background();
             [color.r(), color.g(), color.b()]
         },
+        backdrop: scene.world().backdrop().map(Backdrop::kind),
         lighting: LightingTerms::new(&scene, lights),
         materials: Materials::of(&scene),
         geometries: Counts::new(&scene, tables),
@@ -155,6 +156,8 @@ struct Info<'a> {
     image: PictureSize,
     animation: Option<AnimationTerms>,
     background: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    backdrop: Option<&'static str>,
     lighting: Option<LightingTerms>,
     materials: Materials,
     geometries: Counts<'a>,
@@ -327,7 +330,10 @@ impl fmt::Display for Info<'_> {
                 "\nanimation      {frames} frames, {fps} per second, frame {frame} shown"
             )?;
         }
-        writeln!(out, "\nbackground     {}", vector(self.background))?;
+        match self.backdrop {
+            Some(kind) => writeln!(out, "\nbackdrop       {kind}")?,
+            None => writeln!(out, "\nbackground     {}", vector(self.background))?,
+        }
         if let Some(lighting) = &self.lighting {
             write!(out, "{lighting}")?;
         }

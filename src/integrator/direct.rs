@@ -190,8 +190,8 @@ pub(crate) struct Direct<'a, Q> {
     lighting: &'a Lighting,
     pub(super) queries: &'a Q,
     tone: Tone,
-    /// The light of a ray that meets nothing.
-    background: Shaded,
+    /// The light of a ray that meets nothing; `None` if it depends on the ray.
+    background: Option<Shaded>,
 }
 
 /// The light that a surface sends along its path by itself; or, where surfaces meet, the ray that goes straight on,
@@ -228,14 +228,21 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             lighting,
             queries,
             tone,
-            background: match is_transparent {
-                true => Shaded {
+            background: match (is_transparent, world.backdrop()) {
+                (true, _) => Some(Shaded {
                     behind: Radiance::WHITE,
                     ..Shaded::default()
-                },
-                false => Shaded::direct(world.background().to_linear()),
+                }),
+                (false, None) => Some(Shaded::direct(world.background().to_linear())),
+                (false, Some(_)) => None,
             },
         }
+    }
+
+    /// Returns the light of a ray that meets nothing.
+    fn behind(&self, ray: &Ray) -> Shaded {
+        let by_ray = || Shaded::direct(self.world.behind(ray));
+        self.background.unwrap_or_else(by_ray)
     }
 
     /// Returns the light that arrives along a path.
@@ -288,7 +295,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
         if path.depth > self.lighting.max_depth {
             self.queries.tell(Step::TooDeep);
-            return Err(Ok(self.background));
+            return Err(Ok(self.behind(&path.ray)));
         }
         if let Some(start) = &path.start {
             let surface = |id| Surface {
@@ -305,7 +312,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             }
         }
         match self.queries.nearest(&path.ray, path.start.as_ref()) {
-            Ok(None) => Err(Ok(self.background)),
+            Ok(None) => Err(Ok(self.behind(&path.ray))),
             Ok(Some((geometry, Crossing { t, face }))) => Ok((t, FaceId { geometry, face })),
             Err(contact) => {
                 let contact = Some(Arc::new(contact));

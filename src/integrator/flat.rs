@@ -17,7 +17,7 @@ pub(crate) struct Flat<'a> {
 
 impl Integrate for Flat<'_> {
     fn trace(&self, ray: &Ray) -> Shaded {
-        Shaded::direct(self.world.color_of(ray).to_linear())
+        Shaded::direct(self.world.flat_light(ray))
     }
 
     fn shade<'s>(

@@ -79,8 +79,12 @@ impl WorldHash {
     pub(crate) fn of(&self, world: &World) -> &str {
         self.whole.get_or_init(|| {
             let mut fingerprint = Fingerprint::default();
-            let (geometries, background, lighting) = world.parts();
+            let (geometries, background, backdrop, lighting) = world.parts();
             fingerprint.color(background);
+            if let Some(backdrop) = backdrop {
+                fingerprint.text(backdrop.kind());
+                backdrop.each_number(|number| fingerprint.number(number));
+            }
             for (run, geometries) in self.runs.iter().zip(geometries.chunks(RUN)) {
                 fingerprint.text(run.get_or_init(|| {
                     let mut fingerprint = Fingerprint::default();

@@ -251,7 +251,7 @@ impl PixelSource<'_> {
             let ([x, y], id) = mask.outlined_by(column, row)?;
             Some((mask.color(), ([x, -y], index(id))))
         });
-        let flat = || self.world.color_of(&ray).to_linear();
+        let flat = || self.world.flat_light(&ray);
         let parts = match (&outlined_by, &steps) {
             (Some((color, _)), _) => Shaded::direct(*color).parts,
             (None, Some(steps)) => steps.parts,

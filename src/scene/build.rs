@@ -8,6 +8,7 @@ use crate::{
     scene::{
         copies::Prototypes,
         format::{
+            backdrop::BackdropModel,
             color::ColorModel,
             geometry::{
                 GeometryModel, GroupModel, kind::CopiesModel, ordinal::Ordinal,
@@ -150,7 +151,7 @@ pub(crate) fn renew(
 }
 
 /// Replaces some leaves of a scene, given with the indices of their geometries in a world, by what they
-/// are now; so are the background and the lights. The values of tables follow. Returns false, and leaves
+/// are now; so are the background, the backdrop and the lights. The values of tables follow. Returns false, and leaves
 /// the world unfinished, if a leaf has another number of geometries now.
 ///
 /// # Errors
@@ -375,17 +376,20 @@ fn add(
     Ok(scale)
 }
 
-/// Builds the background of a scene and its lighting, if it is lit: its own lights, then those of its
-/// parts.
-fn surroundings(
-    model: &Model,
-    tables: &Tables,
-) -> Result<(Color, Option<Lighting>), GeometryError> {
+/// Builds a world of the background of a scene, its backdrop and its lighting, if it is lit: its own lights,
+/// then those of its parts.
+fn surroundings(model: &Model, tables: &Tables) -> Result<World, GeometryError> {
     let background = model.background.as_ref();
     let background = background.map_or(Color::BLACK, ColorModel::build);
+    let world = World::new(Vec::new(), background);
+    let backdrop = model.backdrop.as_ref();
+    let world = match backdrop.map_or(Ok(None), BackdropModel::build)? {
+        Some(backdrop) => world.with_backdrop(backdrop),
+        None => world,
+    };
     let mut of_parts = tables.lights().peekable();
     if model.lights.is_none() && of_parts.peek().is_none() {
-        return Ok((background, None));
+        return Ok(world);
     }
     let own = model.lights.iter().flatten();
     let mut lights: Vec<_> = own.map(LightModel::build).collect::<Result<_, _>>()?;
@@ -399,7 +403,7 @@ fn surroundings(
             ..direct
         },
     };
-    Ok((background, Some(lighting)))
+    Ok(world.lit(lighting))
 }
 
 /// Builds the rows of a table. The color of a row replaces the first color of the material.

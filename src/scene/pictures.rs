@@ -12,8 +12,8 @@ use crate::{
     scene::{
         files::{self, Folder},
         format::{
-            geometry::GeometryModel, light::LightModel, material::MaterialModel,
-            picture::PictureFileModel, scene::Model, texture::TextureModel,
+            backdrop::BackdropModel, geometry::GeometryModel, light::LightModel,
+            material::MaterialModel, picture::PictureFileModel, scene::Model, texture::TextureModel,
         },
         options::ReadOptions,
         place::Place,
@@ -136,25 +136,30 @@ impl Model {
         forgotten
     }
 
-    /// Returns the pictures of the textures of materials with names.
+    /// Returns the pictures of the textures of materials with names, and that of the backdrop.
     pub(crate) fn named_textures(&self) -> impl Iterator<Item = &PictureFileModel<Texels>> {
         let named = self.materials.iter().flat_map(|materials| &materials.0);
-        named.filter_map(|(_, material)| file_of(material))
+        let backdrop = self.backdrop.as_ref().and_then(BackdropModel::file);
+        let named = named.filter_map(|(_, material)| file_of(material));
+        named.chain(backdrop)
     }
 
-    /// Returns the pictures of all textures.
+    /// Returns the pictures of all textures, and that of the backdrop.
     pub(crate) fn textures(&self) -> impl Iterator<Item = &PictureFileModel<Texels>> {
         let own = self.walk();
         let own = own.filter_map(|(_, geometry)| file_of(geometry.surface().material?));
         self.named_textures().chain(own)
     }
 
-    /// Calls `see` with each picture of a texture and the path of the texture. Geometries that share a material
+    /// Calls `see` with each picture of a texture or the backdrop and the path of what names it. Geometries that share a material
     /// share it afterwards.
     pub(crate) fn each_texture_mut(
         &mut self,
         mut see: impl FnMut(Path, &mut PictureFileModel<Texels>),
     ) {
+        if let Some(file) = self.backdrop.as_mut().and_then(BackdropModel::file_mut) {
+            see(Path::ROOT.field("backdrop"), file);
+        }
         for (name, material) in self
             .materials
             .iter_mut()

@@ -10,6 +10,8 @@ pub struct Texels {
     width: u32,
     height: u32,
     light: Arc<[[f32; 3]]>,
+    /// The largest channel of all pixels.
+    brightest: f32,
 }
 
 /// The continuation of a picture beyond its border.
@@ -51,6 +53,7 @@ impl Texels {
         Ok(Self {
             width,
             height,
+            brightest: all.iter().copied().fold(0.0, f32::max),
             light: light.into(),
         })
     }
@@ -63,6 +66,11 @@ impl Texels {
     /// The number of rows.
     pub const fn height(&self) -> u32 {
         self.height
+    }
+
+    /// The largest channel of all pixels.
+    pub(crate) const fn brightest(&self) -> f64 {
+        self.brightest as f64
     }
 
     /// Returns the light of a pixel, counted from the top left.

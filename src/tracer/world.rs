@@ -11,6 +11,7 @@ use crate::tracer::{
     hit::Hit,
     light::{
         Light,
+        backdrop::Backdrop,
         transport::{PathOptions, Transport},
     },
     material::{
@@ -25,6 +26,7 @@ use crate::tracer::{
         face::{Crossing, FaceId, Leaving},
     },
     tone::Tone,
+    vector::unit,
 };
 
 /// The geometries, the background and the lights of a scene.
@@ -48,6 +50,8 @@ use crate::tracer::{
 pub struct World {
     geometries: Vec<Geometry>,
     background: Color,
+    /// What rays see in place of the background.
+    backdrop: Option<Backdrop>,
     lighting: Option<Lighting>,
     /// The number of geometries whose material depends on the point.
     varying: usize,
@@ -114,6 +118,13 @@ impl World {
         self
     }
 
+    /// Returns the world with a backdrop, which rays that hit nothing see in place of the background.
+    #[must_use]
+    pub fn with_backdrop(self, backdrop: Backdrop) -> Self {
+        let backdrop = Some(backdrop);
+        Self { backdrop, ..self }
+    }
+
     /// Returns an equal world whose meshes have no index, so that its loops are plain ones.
     #[cfg(test)]
     pub(crate) fn without_indices(&self) -> Self {
@@ -148,10 +159,14 @@ impl World {
         self.geometries = geometries;
     }
 
-    /// Replaces the background and the lights.
-    pub(crate) fn surround(&mut self, (background, lighting): (Color, Option<Lighting>)) {
-        self.background = background;
-        self.lighting = lighting;
+    /// Replaces all but the geometries by that of another world.
+    pub(crate) fn surround(&mut self, other: Self) {
+        *self = Self {
+            geometries: mem::take(&mut self.geometries),
+            varying: self.varying,
+            lists: mem::take(&mut self.lists),
+            ..other
+        };
     }
 
     /// Notes a geometry with an index behind all others, if it is a list of copies.
@@ -213,15 +228,21 @@ impl World {
     }
 
     /// Returns every field, for callers that must not miss one.
-    pub(crate) fn parts(&self) -> (&[Geometry], Color, Option<&Lighting>) {
+    pub(crate) fn parts(&self) -> (&[Geometry], Color, Option<&Backdrop>, Option<&Lighting>) {
         let Self {
             geometries,
             background,
+            backdrop,
             lighting,
             varying: _,
             lists: _,
         } = self;
-        (geometries, *background, lighting.as_ref())
+        (
+            geometries,
+            *background,
+            backdrop.as_ref(),
+            lighting.as_ref(),
+        )
     }
 
     /// The geometries, in file order.
@@ -236,9 +257,22 @@ impl World {
         Shape::smallest_box_around(self.geometries.iter().map(Geometry::shape))
     }
 
-    /// The color of rays that hit nothing.
+    /// The color of rays that hit nothing, unless there is a backdrop.
     pub const fn background(&self) -> Color {
         self.background
+    }
+
+    /// The surroundings that rays see where they hit nothing.
+    pub const fn backdrop(&self) -> Option<&Backdrop> {
+        self.backdrop.as_ref()
+    }
+
+    /// Returns the light of a ray that hits nothing.
+    pub(crate) fn behind(&self, ray: &Ray) -> Radiance {
+        match &self.backdrop {
+            None => self.background.to_linear(),
+            Some(backdrop) => backdrop.radiance(unit(ray.direction())),
+        }
     }
 
     /// The lights, if the world is lit.
@@ -285,8 +319,8 @@ impl World {
         self.lighting().map_or(&[], |lighting| &lighting.lights)
     }
 
-    /// Returns what the light that a ray meets is measured by: the largest of 1 and of the intensities of
-    /// all lights and of all surfaces that shine.
+    /// Returns what the light that a ray meets is measured by: the largest of 1, of the intensities of
+    /// all lights and of all surfaces that shine, and of the light of the backdrop.
     pub(crate) fn brightest(&self) -> f64 {
         let materials = self.geometries.iter().flat_map(Geometry::materials);
         let all = materials.map(|material| LightOfMaterials::new(&self.lobes(material)));
@@ -294,11 +328,13 @@ impl World {
         self.brightest_light().max(of_materials.brightest)
     }
 
-    /// The part of the lights in [`World::brightest`].
+    /// The part of the lights and the backdrop in [`World::brightest`].
     pub(crate) fn brightest_light(&self) -> f64 {
         let lights = self.lights().iter();
+        let backdrop = self.backdrop.as_ref().map(Backdrop::brightest);
         lights
             .map(|light| light.glow().intensity())
+            .chain(backdrop)
             .fold(1.0, f64::max)
     }
 
@@ -318,9 +354,10 @@ impl World {
         }
     }
 
-    /// Returns true if all that a ray sees are the colors of geometries, each of which has one.
+    /// Returns true if all that a ray sees are the colors of geometries, each of which has one, and the
+    /// background.
     pub(crate) const fn is_plain(&self) -> bool {
-        self.lighting.is_none() && !self.has_varying_materials()
+        self.lighting.is_none() && self.backdrop.is_none() && !self.has_varying_materials()
     }
 
     /// Returns true if the material of some geometry depends on the point.
@@ -453,10 +490,21 @@ impl World {
     }
 
     /// Returns the color that the ray sees in a flat world: that of the nearest hit, else the
-    /// background.
+    /// background, or that of the backdrop.
     pub fn color_of(&self, ray: &Ray) -> Color {
-        self.hit(ray)
-            .map_or(self.background, |(_, hit)| hit.color())
+        match (self.hit(ray), &self.backdrop) {
+            (Some((_, hit)), _) => hit.color(),
+            (None, None) => self.background,
+            (None, Some(_)) => Color::from_linear(self.behind(ray)),
+        }
+    }
+
+    /// Returns the light that the ray sees in a flat world.
+    pub(crate) fn flat_light(&self, ray: &Ray) -> Radiance {
+        match self.hit(ray) {
+            Some((_, hit)) => hit.color().to_linear(),
+            None => self.behind(ray),
+        }
     }
 }
 

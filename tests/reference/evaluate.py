@@ -699,9 +699,10 @@ def scenes_below(path):
 
 
 def is_flat(path):
-    """Returns true for scenes without what light.py evaluates."""
+    """Returns true for scenes without what other programs here evaluate."""
     scene = read_tree(path)
-    return "lights" not in scene and "outlines" not in scene
+    others = {"lights", "outlines", "backdrop"} & set(scene)
+    return not others and '"texture"' not in json.dumps(scene)
 
 
 def check(path, picture):

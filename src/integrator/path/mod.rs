@@ -353,7 +353,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         }
         let sharp = beta * (Radiance::WHITE - state.diffuse);
         if !self.is_transparent {
-            self.add(state, path, sharp * self.world.background().to_linear());
+            self.add(state, path, sharp * self.world.behind(&path.ray));
         } else if path.depth > 0 {
             state.light[0].behind = state.light[0].behind + sharp;
         }

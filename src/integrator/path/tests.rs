@@ -8,7 +8,7 @@ use crate::{
         color::Color,
         geometry::Geometry,
         light::{
-            Ambient, Directional, Environment, Falloff, Headlight, Light, Point, Sky,
+            Ambient, Backdrop, Directional, Environment, Falloff, Headlight, Light, Point, Sky,
             picture::SkyPicture,
             transport::{PathOptions, Transport},
         },
@@ -193,6 +193,40 @@ fn mirrors_and_glass_show_what_they_meet() {
         ..Lighting::new(vec![])
     });
     assert_mean(mean(&ball, &down(-0.3)), 1.0);
+}
+
+// A backdrop lights nothing, and is seen as sharply as the background.
+#[test]
+fn only_sharp_rays_see_a_backdrop() {
+    let sky = Sky {
+        zenith: half(),
+        horizon: Color::BLACK,
+        ground: Color::WHITE,
+    };
+    let backdrop = Backdrop::of_sky(sky, DVec3::Y).unwrap();
+    let world = |material: Material, lights: Vec<Light>| {
+        by_paths(vec![floor(material)], lights, (options(16), 32)).with_backdrop(backdrop.clone())
+    };
+    let ray = down(0.0);
+    let up = Ray::new(DVec3::ZERO, -ray.direction());
+    let height = up.direction().y;
+    let near = |found: Radiance, expected: f64| {
+        assert!((found.r() - expected).abs() < 1e-14, "{found:?} {expected}");
+    };
+    let mirror = world(Material::Mirror(half()), vec![]);
+    near(mirror.radiance(&ray), 0.25 * height);
+    near(mirror.radiance(&up), 0.5 * height);
+    let chalk = world(half().into(), vec![]);
+    assert_eq!(chalk.radiance(&ray), Radiance::BLACK);
+    near(world(half().into(), vec![ambient()]).radiance(&ray), 0.5);
+    // The surroundings that shine hide it from all but the camera.
+    let light = Environment::new(Color::WHITE, 3.0).unwrap();
+    for (is_visible, expected) in [(true, 3.0), (false, 0.5 * height)] {
+        let light = light.clone().visible(is_visible).into();
+        let mirror = world(Material::Mirror(half()), vec![light]);
+        near(mirror.radiance(&up), expected);
+        near(mirror.radiance(&ray), 1.5);
+    }
 }
 
 // Half of the light comes from the sky, and half from a wall that gets all of the light.

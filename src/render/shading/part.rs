@@ -349,6 +349,13 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
             .shade(seen, (queue, lanes), |place, shaded| {
                 samples.set(place, shaded)
             });
+        if world.backdrop().is_some() && !self.work.resolver.is_transparent {
+            let ids = self.hits.ids[first..first + columns.len()].iter();
+            for (place, _) in ids.enumerate().filter(|(_, id)| **id == NOTHING) {
+                let ray = self.rays.ray(left + place, line);
+                samples.set(place, Shaded::direct(world.behind(&ray)));
+            }
+        }
         if let Some(mask) = &self.mask {
             // What is cancelled meanwhile is dropped.
             mask.find(row, columns, WhichNeighbor::Any, self.work.cancel, lines);

@@ -7,8 +7,8 @@ use crate::tracer::{
     color::Color,
     geometry::Geometry,
     light::{
-        Ambient, Cone, Directional, Environment, Headlight, Light, Point, Spot, falloff::Falloff,
-        picture::SkyPicture,
+        Ambient, Backdrop, Cone, Directional, Environment, Headlight, Light, Point, Sky, Spot,
+        falloff::Falloff, picture::SkyPicture,
     },
     material::{
         Emissive, Glass, Material, Phong, Principled,
@@ -195,10 +195,37 @@ pub(super) fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
         ..Lighting::new(lights)
     };
     let world = World::new(geometries, color(random));
+    let world = match random.below(4) {
+        0 => world.with_backdrop(backdrop(random)),
+        _ => world,
+    };
     match random.below(6) {
         0 => world,
         _ => world.lit(lighting),
     }
+}
+
+/// Returns surroundings whose light may be brighter than all lights.
+fn backdrop(random: &mut Rng) -> Backdrop {
+    let up = random.vector() + 1e-9 * DVec3::X;
+    let backdrop = match random.below(2) {
+        0 => {
+            let [zenith, horizon, ground] = [(); 3].map(|()| color(random));
+            let sky = Sky {
+                zenith,
+                horizon,
+                ground,
+            };
+            Backdrop::of_sky(sky, up)
+        }
+        _ => {
+            let most = random.one(&[1.0, 1e6]);
+            let mut light = || [random.signed().abs() * most, 0.5, 0.0].map(|part| part as f32);
+            let light = (0..12).map(|_| light()).collect();
+            Backdrop::of_picture(Texels::new(4, 3, light).unwrap(), up, 50.0)
+        }
+    };
+    backdrop.unwrap()
 }
 
 pub(super) fn camera(random: &mut Rng, middle: DVec3, size: f64) -> Camera {

@@ -180,6 +180,7 @@ impl Frames {
             camera: model.camera.clone(),
             cameras: model.cameras.clone(),
             background: model.background.clone(),
+            backdrop: model.backdrop.clone(),
             lights: model.lights.clone(),
             materials: model.materials.clone(),
             lighting: model.lighting.clone(),

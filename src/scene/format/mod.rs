@@ -5,6 +5,7 @@
 //! and whether it can change over time.
 
 pub(crate) mod animation;
+pub(crate) mod backdrop;
 pub(crate) mod camera;
 pub(crate) mod cameras;
 pub(crate) mod color;
@@ -36,6 +37,7 @@ pub use crate::scene::format::numbers::ScaleModel;
 pub use crate::scene::format::numbers::{Interval, Triple};
 pub use crate::scene::format::{
     animation::{AnimationModel, Interpolation, Key, OrbitModel, Track, TracksModel},
+    backdrop::{BackdropModel, ImageBackdropModel, SkyBackdropModel},
     camera::CameraModel,
     cameras::CamerasModel,
     color::ColorModel,

@@ -4,6 +4,7 @@ use crate::{
     diagnostic::path::Path,
     scene::format::{
         animation::AnimationModel,
+        backdrop::BackdropModel,
         camera::CameraModel,
         cameras::{CamerasModel, NAMES},
         color::ColorModel,
@@ -35,6 +36,9 @@ object! {
         cameras: Thing { Type::Map(CameraModel::of_type, Some(NAMES)) }(CamerasModel)?,
         /// The color where rays hit nothing; black is the default.
         background | background_color: Color = ColorModel::Channels([0.0; 3]),
+        /// The surroundings where rays hit nothing: a sky or a picture. Give at most one of this and
+        /// `background`.
+        backdrop | sky | skybox | sky_sphere | environment_map | envmap | hdri: Thing(BackdropModel)?,
         /// The lights. With this field, even without a light in it, the scene is lit; without it, each
         /// geometry shows its color.
         lights: Thing(Vec<LightModel>)?,
@@ -50,7 +54,7 @@ object! {
         animation: Thing(Box<AnimationModel>)?,
         /// Codes of warnings that this file does not want.
         allow: Other { Type::List(WarningName::of_type, 0) }(Vec<WarningName>)?,
-    } any of camera, cameras
+    } at most one of background, backdrop any of camera, cameras
 }
 
 impl Model {

@@ -162,9 +162,9 @@ const ABSENT: &[(&str, &str)] = &[
          geometry, under `lighting: Path()`",
     ),
     (
-        "skybox sky_sphere environment environment_map envmap hdri fog media volume atmosphere",
-        "the surroundings are one color, `background`, or the light `Environment`, of a color, a sky or a picture, under \
-         `lighting: Path()`; fog is not supported",
+        "environment fog media volume atmosphere",
+        "the surroundings are a color, `background`, or a sky or a picture, `backdrop`; they shine as the light \
+         `Environment` under `lighting: Path()`; fog is not supported",
     ),
     (
         "focal_blur dof depth_of_field",

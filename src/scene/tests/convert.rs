@@ -8,6 +8,7 @@ use crate::{
         convert::{LostComments, convert},
         format::{
             animation::{AnimationModel, Interpolation, Key, OrbitModel, Track},
+            backdrop::{BackdropModel, ImageBackdropModel, SkyBackdropModel},
             camera::CameraModel,
             color::ColorModel,
             color_by::{ColorByModel, ColormapModel},
@@ -286,6 +287,22 @@ impl Rng {
                 _ => ScaleModel::Axes(rng.triple()),
             }),
             matrix: self.maybe(|rng| MatrixModel([row(rng), row(rng), row(rng)]).into()),
+        }
+    }
+
+    fn backdrop(&mut self) -> BackdropModel {
+        match self.below(2) {
+            0 => BackdropModel::Sky(SkyBackdropModel {
+                zenith: self.color(),
+                horizon: self.color(),
+                ground: self.color(),
+                up: self.maybe(Self::triple),
+            }),
+            _ => BackdropModel::Image(ImageBackdropModel {
+                file: "a/sky 1.hdr".into(),
+                rotation: self.maybe(Self::number),
+                up: self.maybe(Self::triple),
+            }),
         }
     }
 
@@ -603,6 +620,7 @@ impl Rng {
             camera: self.maybe(camera),
             cameras: self.maybe(cameras),
             background: self.maybe(Self::color),
+            backdrop: self.maybe(Self::backdrop),
             lights: self.maybe(|rng| (0..rng.below(4)).map(|_| rng.light()).collect()),
             materials: self.maybe(|rng| {
                 let name = *rng.name();

@@ -43,6 +43,7 @@ use crate::{
             eye::{Surroundings, is_glass},
             found::Found,
             inward::Inward,
+            material::both,
             overlap::GlassSolid,
         },
     },
@@ -83,6 +84,7 @@ pub(crate) fn problems(
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
+    found.backdrop(model);
     found.lights(model, tables);
     found.materials(model);
     found.unlit_fields(model);
@@ -257,6 +259,20 @@ impl Found {
             };
             let problem = Problem::new(Code::OutOfRange, path.field(side), Focus::Value, message);
             self.push(problem);
+        }
+    }
+
+    fn backdrop(&mut self, model: &Model) {
+        let Some(backdrop) = &model.backdrop else {
+            return;
+        };
+        let path = || Path::ROOT.field("backdrop");
+        backdrop.each(|field, value| self.field(field, value, path));
+        if model.background.is_some() && !self.tally.only_counts(Code::OneOf) {
+            let problem = both(Code::OneOf, &Path::ROOT, ["background", "backdrop"]);
+            self.push(
+                problem.help("rays that hit nothing see one of them; leave the other one out"),
+            );
         }
     }
 

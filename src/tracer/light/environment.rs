@@ -8,7 +8,7 @@ use crate::tracer::{
     color::Color,
     error::GeometryError,
     light::{
-        picture::{SkyPicture, SkyView},
+        picture::{SkyAxes, SkyPicture, SkyView},
         source::{Glow, LightSize, Source},
     },
     radiance::Radiance,
@@ -97,13 +97,10 @@ impl Environment {
         rotation: f64,
         intensity: f64,
     ) -> Result<Self, GeometryError> {
-        let up = unit(direction(finite(up, "up")?, "up")?);
-        if !rotation.is_finite() {
-            return Err(GeometryError::NotFinite { name: "rotation" });
-        }
+        let axes = SkyAxes::turned(up, rotation)?;
         Ok(Self {
-            shine: Shine::Picture(SkyView::new(picture.clone(), up, rotation)),
-            up,
+            shine: Shine::Picture(SkyView::new(picture.clone(), axes)),
+            up: axes.up,
             ..Self::new(Color::WHITE, intensity)?
         })
     }
@@ -190,9 +187,8 @@ impl Environment {
     }
 
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
-        let colors = self.sky().map(|sky| [sky.zenith, sky.horizon, sky.ground]);
-        let channels = colors.into_iter().flatten();
-        let channels = channels.flat_map(|color| [color.r(), color.g(), color.b()]);
+        let sky = self.sky().into_iter();
+        let channels = sky.flat_map(|sky| sky.channels());
         let of_picture = match &self.shine {
             Shine::Even | Shine::Sky(_) => None,
             Shine::Picture(picture) => Some(picture.numbers()),
@@ -205,8 +201,14 @@ impl Environment {
 }
 
 impl Sky {
+    /// Returns the channels of all colors.
+    pub(crate) fn channels(&self) -> impl Iterator<Item = f64> + use<> {
+        let colors = [self.zenith, self.horizon, self.ground].into_iter();
+        colors.flat_map(|color| [color.r(), color.g(), color.b()])
+    }
+
     /// Returns the light of a direction with this cosine to the zenith.
-    fn light(&self, height: f64) -> Radiance {
+    pub(crate) fn light(&self, height: f64) -> Radiance {
         let horizon = self.horizon.to_linear();
         let end = if height > 0.0 {
             self.zenith

@@ -7,6 +7,7 @@
 //! on the screen. In physical units, the irradiance is π times the intensity.
 
 pub(crate) mod ambient;
+pub(crate) mod backdrop;
 pub(crate) mod directional;
 pub(crate) mod environment;
 pub(crate) mod falloff;
@@ -19,6 +20,7 @@ pub(crate) mod transport;
 
 pub use self::{
     ambient::Ambient,
+    backdrop::Backdrop,
     directional::Directional,
     environment::{Environment, Sky},
     falloff::Falloff,

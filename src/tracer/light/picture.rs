@@ -9,7 +9,7 @@ use crate::tracer::{
     radiance::Radiance,
     sampling::{UnitPair, circle},
     texels::{TexelWrap, Texels},
-    vector::unit,
+    vector::{direction, finite, unit},
 };
 
 /// A picture of all directions, and how likely paths aim at each of its pixels: a column for each angle around
@@ -27,9 +27,15 @@ pub struct SkyPicture {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SkyView {
     picture: SkyPicture,
-    /// The unit vectors to the right, up and to the front: to the middle of the picture.
+    axes: SkyAxes,
+}
+
+/// The directions of a picture around a zenith: unit vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SkyAxes {
     right: DVec3,
-    up: DVec3,
+    pub(super) up: DVec3,
+    /// To the middle of the picture.
     front: DVec3,
 }
 
@@ -101,17 +107,21 @@ impl SkyPicture {
     }
 }
 
-impl SkyView {
-    /// Shows a picture around a zenith, turned about it by degrees: counterclockwise as seen from there.
-    pub(super) fn new(picture: SkyPicture, up: DVec3, rotation: f64) -> Self {
+impl SkyAxes {
+    /// Creates the directions of a picture around a zenith, turned about it by degrees: counterclockwise as seen
+    /// from there.
+    pub(crate) fn turned(up: DVec3, rotation: f64) -> Result<Self, GeometryError> {
+        let up = unit(direction(finite(up, "up")?, "up")?);
+        if !rotation.is_finite() {
+            return Err(GeometryError::NotFinite { name: "rotation" });
+        }
         let front = front_of(up);
         let [cosine, sine] = circle((rotation / 360.0).rem_euclid(1.0));
-        Self::around(picture, up, front * cosine + up.cross(front) * sine)
+        Ok(Self::around(up, front * cosine + up.cross(front) * sine))
     }
 
-    fn around(picture: SkyPicture, up: DVec3, front: DVec3) -> Self {
+    fn around(up: DVec3, front: DVec3) -> Self {
         Self {
-            picture,
             right: front.cross(up),
             up,
             front,
@@ -119,32 +129,53 @@ impl SkyView {
     }
 
     /// Returns the same around another zenith, given how directions are mapped.
-    pub(super) fn placed(&self, up: DVec3, map: impl Fn(DVec3) -> DVec3) -> Self {
+    fn placed(&self, up: DVec3, map: impl Fn(DVec3) -> DVec3) -> Self {
         let front = map(self.front);
         let front = front - front.dot(up) * up;
         let front = match front.dot(front) > 0.0 && front.is_finite() {
             true => unit(front),
             false => front_of(up),
         };
-        Self::around(self.picture.clone(), up, front)
+        Self::around(up, front)
     }
 
-    /// Returns the place of a direction in the picture, in pixels from the top left.
-    fn place(&self, d: DVec3) -> [f64; 2] {
+    /// Returns the place of a direction in a picture, in pixels from the top left.
+    fn place(&self, picture: &Texels, d: DVec3) -> [f64; 2] {
         let around = libm::atan2(d.dot(self.right), d.dot(self.front));
         let down = libm::acos(d.dot(self.up).clamp(-1.0, 1.0));
         [
-            (0.5 + around / (2.0 * PI)) * f64::from(self.picture.texels.width()),
-            down / PI * f64::from(self.picture.texels.height()),
+            (0.5 + around / (2.0 * PI)) * f64::from(picture.width()),
+            down / PI * f64::from(picture.height()),
         ]
+    }
+
+    /// Returns the light of a picture from the direction of a unit vector.
+    pub(crate) fn radiance(&self, picture: &Texels, d: DVec3) -> Radiance {
+        let place = self.place(picture, d);
+        picture.blended(place, [TexelWrap::Repeat, TexelWrap::Clamp])
+    }
+
+    /// Returns the numbers that determine it.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
+        [self.up, self.front]
+            .into_iter()
+            .flat_map(|axis| axis.to_array())
+    }
+}
+
+impl SkyView {
+    pub(super) const fn new(picture: SkyPicture, axes: SkyAxes) -> Self {
+        Self { picture, axes }
+    }
+
+    /// Returns the same around another zenith, given how directions are mapped.
+    pub(super) fn placed(&self, up: DVec3, map: impl Fn(DVec3) -> DVec3) -> Self {
+        Self::new(self.picture.clone(), self.axes.placed(up, map))
     }
 
     /// Returns the light from the direction of a unit vector.
     pub(super) fn radiance(&self, d: DVec3) -> Radiance {
-        let [x, y] = self.place(d);
-        self.picture
-            .texels
-            .blended([x, y], [TexelWrap::Repeat, TexelWrap::Clamp])
+        self.axes.radiance(&self.picture.texels, d)
     }
 
     /// Returns the mean of the largest channel over all directions.
@@ -165,13 +196,14 @@ impl SkyView {
         let [cosine, sine] = circle((column as f64 + v) / width as f64);
         let beside = (1.0 - height * height).max(0.0).sqrt();
         // The middle of the picture is in front, half a turn from its left.
-        let l = height * self.up - beside * (sine * self.right + cosine * self.front);
+        let SkyAxes { right, up, front } = self.axes;
+        let l = height * up - beside * (sine * right + cosine * front);
         (unit(l), self.picture.density_at(pixel))
     }
 
     /// Returns the density of a direction.
     pub(super) fn density(&self, d: DVec3) -> f64 {
-        let [x, y] = self.place(d);
+        let [x, y] = self.axes.place(&self.picture.texels, d);
         let (width, height) = (self.picture.texels.width(), self.picture.texels.height());
         let column = (x as usize).min(width as usize - 1);
         let row = (y as usize).min(height as usize - 1);
@@ -180,7 +212,8 @@ impl SkyView {
 
     /// Returns all numbers.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
-        self.front
+        self.axes
+            .front
             .to_array()
             .into_iter()
             .chain(self.picture.texels.numbers())
@@ -212,12 +245,12 @@ mod tests {
         let mut light = || [0; 3].map(|_| random.magnitude(-2.0, 1.0) as f32);
         let light = (0..7 * 5).map(|_| light()).collect();
         let picture = SkyPicture::new(Texels::new(7, 5, light).unwrap()).unwrap();
-        SkyView::new(picture, up, rotation)
+        SkyView::new(picture, SkyAxes::turned(up, rotation).unwrap())
     }
 
     #[test]
     fn the_middle_is_in_front_and_turns_about_the_zenith() {
-        let middle = |up: DVec3, rotation: f64| view(up, rotation).front;
+        let middle = |up: DVec3, rotation: f64| SkyAxes::turned(up, rotation).unwrap().front;
         let near = |one: DVec3, other: DVec3| assert!((one - other).length() < 1e-15, "{one}");
         near(middle(DVec3::Y, 0.0), DVec3::NEG_Z);
         near(middle(DVec3::Y, 90.0), DVec3::NEG_X);
@@ -225,10 +258,11 @@ mod tests {
         near(middle(DVec3::Z, 0.0), DVec3::Y);
         near(middle(DVec3::X, 0.0), DVec3::NEG_Z);
         let view = view(DVec3::Y, 0.0);
-        assert_eq!(view.place(DVec3::NEG_Z), [3.5, 2.5]);
+        let place = |d: DVec3| view.axes.place(&view.picture.texels, d);
+        assert_eq!(place(DVec3::NEG_Z), [3.5, 2.5]);
         // What lies to the right in the picture lies to the right of one who looks to the front.
-        assert!(view.place(unit(DVec3::new(0.1, 0.2, -1.0)))[0] > 3.5);
-        assert!(view.place(DVec3::Y)[1] == 0.0 && view.place(DVec3::NEG_Y)[1] == 5.0);
+        assert!(place(unit(DVec3::new(0.1, 0.2, -1.0)))[0] > 3.5);
+        assert!(place(DVec3::Y)[1] == 0.0 && place(DVec3::NEG_Y)[1] == 5.0);
     }
 
     #[test]
