@@ -10,6 +10,7 @@ mod pfm;
 pub(crate) mod picture;
 mod plane;
 mod preview;
+pub(crate) mod profile;
 mod read;
 mod ssim;
 mod tally;

@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    compare::{limit::PictureOptions, picture::Picture},
+    compare::{limit::PictureOptions, picture::Picture, profile::other_than_srgb},
     diagnostic::{Code, path::Path},
     scene::{
         files::{self, Folder},
@@ -37,7 +37,8 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             return Some(texels.clone());
         }
         match open(place, files, options) {
-            Ok(texels) => {
+            Ok((texels, ignored)) => {
+                problems.extend(ignored.map(|what| ignored_colors(place, what)));
                 known.insert(place.file.into(), texels.clone());
                 Some(texels)
             }
@@ -54,7 +55,9 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             field: "image",
             variant,
         };
-        match read(&place).map(SkyPicture::new) {
+        let texels = read(&place);
+        let built = texels.and_then(|it| SkyPicture::until(it, || options.is_cancelled()));
+        match built {
             Some(Ok(picture)) => named.content = Some(picture),
             Some(Err(error)) => {
                 black.push(place.problem(Code::InvalidImage, error.to_string()));
@@ -74,7 +77,19 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
     problems
 }
 
-fn open(place: &Place, files: &Folder<'_>, options: &ReadOptions) -> Result<Texels, Problem> {
+/// Warns about what a file says of its colors.
+fn ignored_colors(place: &Place, what: &str) -> Problem {
+    let message = format!("the {what} has no effect: the colors are those of sRGB");
+    let problem = place.problem(Code::NoEffect, message);
+    problem.help("convert the picture to sRGB")
+}
+
+/// Reads a picture. Also returns what is ignored of the colors in its file.
+fn open(
+    place: &Place,
+    files: &Folder<'_>,
+    options: &ReadOptions,
+) -> Result<(Texels, Option<&'static str>), Problem> {
     let unreadable = |error| place.problem(Code::FileNotFound, files::cause(error));
     let (_, file, length) = place.open_data(files, Code::InvalidImage)?;
     if length > LONGEST {
@@ -92,11 +107,13 @@ fn open(place: &Place, files: &Folder<'_>, options: &ReadOptions) -> Result<Texe
     let invalid = |what: &str| place.problem(Code::InvalidImage, what);
     let picture = Picture::from_bytes(&bytes, &PictureOptions::new());
     let picture = picture.map_err(|error| invalid(error.cause()))?;
+    let ignored = other_than_srgb(&bytes);
     drop(bytes);
     let light = picture.into_light();
     let (size, light) = light.ok_or_else(|| invalid("the file has no colors"))?;
     let texels = Texels::new(size.width(), size.height(), light);
-    texels.map_err(|error| invalid(&error.to_string()))
+    let texels = texels.map_err(|error| invalid(&error.to_string()))?;
+    Ok((texels, ignored))
 }
 
 impl Model {

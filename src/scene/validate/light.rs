@@ -22,7 +22,11 @@ use crate::{
     },
     tracer::{
         geometry::Geometry,
-        light::{Light, falloff::Falloff, source::Source},
+        light::{
+            Light,
+            falloff::Falloff,
+            source::{LightSize, Source},
+        },
         shape::{Extent, Membership, Shape},
     },
 };
@@ -155,7 +159,11 @@ impl Found {
                 self.dim_light((&light, dim), position, index, model, tables);
             }
             if light.shadows() {
-                self.light_inside(position, index, (model, tables), eyes);
+                let radius = match light.size() {
+                    LightSize::Ball(radius) if self.follows_paths => radius,
+                    _ => 0.0,
+                };
+                self.light_inside((position, radius), index, (model, tables), eyes);
             }
         }
     }
@@ -210,14 +218,18 @@ impl Found {
 
     fn light_inside(
         &mut self,
-        position: DVec3,
+        (position, radius): (DVec3, f64),
         index: usize,
         (model, tables): (&Model, &Tables),
         eyes: &[Eye],
     ) {
         let keeps_it_in = |shape: &Shape| {
             let is_inside = |point| matches!(shape.membership(point), Membership::Inside(..));
-            is_inside(position) && !eyes.iter().any(|eye| is_inside(eye.point))
+            let ends = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+            let is_whole = ends
+                .map(|end| position + radius * end)
+                .all(|end| radius == 0.0 || is_inside(end));
+            is_inside(position) && is_whole && !eyes.iter().any(|eye| is_inside(eye.point))
         };
         let holds_it = |leaf: &Leaf| match leaf.shape() {
             Some(shape) => {

@@ -49,6 +49,15 @@ impl SkyPicture {
     ///
     /// Returns an error if it is black.
     pub fn new(texels: Texels) -> Result<Self, GeometryError> {
+        let built = Self::until(texels, || false);
+        built.unwrap_or(Err(GeometryError::BlackPicture))
+    }
+
+    /// The same until cancelled, which is asked for each row.
+    pub(crate) fn until(
+        texels: Texels,
+        is_cancelled: impl Fn() -> bool,
+    ) -> Option<Result<Self, GeometryError>> {
         let (width, height) = (texels.width(), texels.height());
         let heights: Arc<[f64]> = (0..=height)
             .map(|row| libm::cos(PI * f64::from(row) / f64::from(height)))
@@ -59,6 +68,9 @@ impl SkyPicture {
         // The mean over three rows, of each column.
         let mut means = vec![0.0; width as usize];
         for row in 0..height {
+            if is_cancelled() {
+                return None;
+            }
             let rows = [row.saturating_sub(1), row, (row + 1).min(height - 1)];
             for (column, mean) in (0..width).zip(&mut means) {
                 let weighted = rows.iter().zip(AROUND);
@@ -78,13 +90,13 @@ impl SkyPicture {
             }
         }
         if sum <= 0.0 {
-            return Err(GeometryError::BlackPicture);
+            return Some(Err(GeometryError::BlackPicture));
         }
-        Ok(Self {
+        Some(Ok(Self {
             texels,
             sums: sums.into(),
             heights,
-        })
+        }))
     }
 
     /// The sum of all weights.
@@ -237,6 +249,8 @@ fn front_of(up: DVec3) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
     use crate::tracer::{random::Rng, shape::target::on_ball};
 
@@ -288,6 +302,14 @@ mod tests {
         assert!((light / even - 1.0).abs() < 0.01, "{light} {even}");
         // Rows are narrow in real pictures; these are wide.
         assert!((view.mean() * count / even - 1.0).abs() < 0.4);
+    }
+
+    #[test]
+    fn it_ends_once_cancelled() {
+        let texels = Texels::new(2, 9, vec![[1.0; 3]; 18]).unwrap();
+        let rows = Cell::new(0);
+        let ends = SkyPicture::until(texels, || rows.replace(rows.get() + 1) == 4);
+        assert!(ends.is_none() && rows.get() == 5);
     }
 
     #[test]
