@@ -65,6 +65,8 @@ class Material:
     def __init__(self, kind, fields):
         first = "diffuse" if kind == "Phong" else "color"
         self.kind = kind
+        # Described as in the file; light.py shows none.
+        self.texture = fields.get("texture")
         self.first = optional(fields, first, "#ffffff")
         self.color = lin(self.first)
         self.specular = lin(optional(fields, "specular", "#808080"))

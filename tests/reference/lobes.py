@@ -183,7 +183,8 @@ class Opaque:
         elif material.kind == "Phong":
             squared = 2.0 / (4.0 * material.exponent + 2.0)
             f0 = np.minimum(1.0, 4.0 * squared * material.specular)
-            by = max(1.0, np.max(material.color + f0 + material.reflection))
+            whole = material.color + f0 + material.reflection
+            by = np.maximum(1.0, whole.max(axis=-1, keepdims=True))
             self.albedo, self.mirror, f0 = material.color / by, material.reflection / by, f0 / by
             self.facets = Facets(np.sqrt(squared))
             self.f = lambda cos: f0

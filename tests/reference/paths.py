@@ -8,6 +8,7 @@ samples of all pixels at once, with numpy. Only the order of sums and the last b
 """
 
 import argparse
+import copy
 import os
 import sys
 
@@ -16,8 +17,9 @@ import numpy as np
 import evaluate
 import light
 import pairs
+import textures
 from contact import fresnel
-from emitters import Emitters
+from emitters import Emitters, Environment
 from evaluate import optional, variant
 from lobes import Opaque, RoughGlass, alpha_of
 from pairs import Pairs, frame, inward, outward
@@ -89,8 +91,11 @@ class World(light.World):
         # Rough glass stops light that is aimed, and so does solid glass where caustics are paths.
         self.alphas = np.array([alpha_of(material.roughness) for material in self.materials])
         # The first face of the same material, for each face.
-        same = [[np.asarray(value).tolist() for value in vars(each).values()] for each in self.materials]
+        whole = [vars(each) | {"texture": id(each.texture)} for each in self.materials]
+        same = [[np.asarray(value).tolist() for value in each.values()] for each in whole]
         self.kinds = np.array([same.index(each) for each in same], int)
+        self.geometries = [variant(geometry) for geometry in scene["geometries"]]
+        self.backdrop = backdrop_of(scene.get("backdrop"))
         faces = self.faces
         faces.stops, faces.is_rough = faces.bends & self.caustics, faces.is_glass & (self.alphas > 0.0)
 
@@ -141,7 +146,19 @@ class World(light.World):
             weight = self.weight(found, number, environment.density_of(units(found.d)))
             self.add(found, weight * environment.radiance(units(found.d)))
             rays = rays[~shows]
-        self.add(rays, (1.0 - rays.share) * self.background)
+        behind = self.background if self.backdrop is None else self.backdrop.radiance(units(rays.d))
+        self.add(rays, (1.0 - rays.share) * behind)
+
+    def first(self, start):
+        colors = super().first(start)
+        for own in np.unique(start.own):
+            texture = self.materials[own].texture
+            if texture is not None:
+                rows, face = start.own == own, self.faces.faces[own]
+                number = own - self.faces.first[self.faces.shape_of[own]]
+                shape = self.geometries[self.owners[own]]
+                colors[rows] *= textures.light(texture, shape, number, face.local(start.p[rows]))
+        return colors
 
     def named(self, rays, colors):
         """Notes the color of the first surface that is not a mirror or smooth glass."""
@@ -272,7 +289,10 @@ class World(light.World):
     def of_material(self, rays, material):
         v, n = self.facing(rays.start, rays.d)
         axes = frame(n)
-        lobes = Opaque(material, inward(axes, v))
+        shown = copy.copy(material)
+        if material.texture is not None:
+            shown.color = self.first(rays.start)
+        lobes = Opaque(shown, inward(axes, v))
         if not lobes.is_mirror():
             self.named(rays, self.first(rays.start))
         goes_on = ~self.is_exhausted(rays)
@@ -433,22 +453,30 @@ def through_lens(camera, o, d, u, v):
     return o + shift, units(d * (focus / (d @ -back))[:, None] - shift)
 
 
-def read_pfm(path):
-    """Returns the light of a PFM file of colors, with its first row at the top."""
-    with open(path, "rb") as file:
-        kind, size, scale = (file.readline().decode() for _ in range(3))
-        width, height = map(int, size.split())
-        assert kind.strip() == "PF" and float(scale) < 0.0
-        return np.frombuffer(file.read(), "<f4").reshape(height, width, 3)[::-1].astype(float)
+def backdrop_of(described):
+    """Returns what is seen in place of the background: it looks like the light of the same."""
+    if described is None:
+        return None
+    name, fields = variant(described)
+    return Environment(fields if name == "Image" else {"sky": fields, "up": optional(fields, "up", textures.UP)})
 
 
 def read_scene(path):
-    """Returns a scene with the pictures of its surroundings."""
+    """Returns a scene with the pictures of its surroundings and of its textures."""
     scene = evaluate.read_scene(path)
+    folder = os.path.dirname(path)
+    materials = [variant(material)[1] for material in optional(scene, "materials", {}).values()]
+    for geometry in scene["geometries"]:
+        _, fields = variant(geometry)
+        if fields.get("material") is not None and isinstance(variant(fields["material"])[1], dict):
+            materials.append(variant(fields["material"])[1])
+    for described in [each.get("texture") for each in materials] + [scene.get("backdrop")]:
+        if described is not None:
+            textures.read(described, folder)
     for light in scene.get("lights") or []:
         _, fields = variant(light)
         if fields.get("image"):
-            fields["texels"] = read_pfm(os.path.join(os.path.dirname(path), fields["image"]))
+            fields["texels"] = textures.read_pfm(os.path.join(folder, fields["image"]))
     return scene
 
 

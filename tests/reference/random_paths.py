@@ -8,6 +8,7 @@ Scenes have all lights and materials, and all options of `Path`. Compared are la
 """
 
 import argparse
+import glob
 import json
 import os
 import subprocess
@@ -22,6 +23,8 @@ from random_lit import LitScenes, parts_of
 
 MATERIALS = "Matte Matte Phong Mirror Glass Glass Flat Emissive Metal Plastic Principled".split()
 LIGHTS = "Ambient Headlight Directional Directional Point Point Spot Spot Environment Environment".split()
+TEXTURED = "Matte Flat Phong Metal Plastic Principled Mirror".split()
+NATURAL = "Sphere Plane Rectangle Triangle Disc Box".split()
 LAMPS = "Sphere Disc Rectangle Triangle Box Cylinder Cone Capsule Mesh Plane Torus".split()
 
 
@@ -100,15 +103,61 @@ class PathScenes(LitScenes):
         first = [at for at, light in enumerate(lights) if "Environment" in light][1:]
         return [light for at, light in enumerate(lights) if at not in first]
 
-    def picture(self):
-        """Returns the path of a picture of the surroundings, which is written."""
+    def picture(self, name="light", powers=(-2.0, 1.5)):
+        """Returns the path of a picture, which is written, with powers of 10 as light."""
         width, height = self.random.randint(1, 9), self.random.randint(1, 6)
-        path = os.path.join(self.folder, f"{self.seed}.pfm")
-        light = [10.0 ** self.random.uniform(-2.0, 1.5) for _ in range(3 * width * height)]
+        path = os.path.join(self.folder, f"{self.seed}-{name}.pfm")
+        light = [10.0 ** self.random.uniform(*powers) for _ in range(3 * width * height)]
         with open(path, "wb") as file:
             file.write(b"PF\n%d %d\n-1.0\n" % (width, height))
             file.write(np.array(light, "<f4").tobytes())
         return os.path.basename(path)
+
+    def around_all(self):
+        """Returns a color or a backdrop, as fields of a scene."""
+        if self.chance(0.7):
+            return {"background": self.unit_color()}
+        if self.chance(0.5):
+            fields = {end: self.unit_color() for end in ("zenith", "horizon", "ground")}
+        else:
+            fields = {"file": self.picture("backdrop")}
+            if self.chance(0.5):
+                fields["rotation"] = self.random.uniform(-400.0, 400.0)
+        if self.chance(0.5):
+            fields["up"] = self.unit_direction()
+        return {"backdrop": {"Image" if "file" in fields else "Sky": fields}}
+
+    def texture(self, is_natural):
+        """Returns a texture; only some shapes have coordinates that textures.py knows."""
+        if self.chance(0.5):
+            texture = {"Image": {"file": self.picture(f"texture-{self.random.randrange(1000)}", (-2.0, 0.0))}}
+        else:
+            texture = {"Checker": {"size": self.random.uniform(0.05, 0.5)}}
+            for end in ("even", "odd"):
+                if self.chance(0.6):
+                    texture["Checker"][end] = self.unit_color()
+        ((_, fields),) = texture.items()
+        if "file" in fields:
+            fields["interpolation"] = self.random.choice(("Bilinear", "Nearest"))
+            fields["wrap"] = self.random.choice(("Repeat", "Clamp"))
+        kind = self.random.choice(("Natural", "Natural", "Planar", "Spherical") if is_natural else ("Planar", "Spherical"))
+        place = [self.random.uniform(-1.0, 1.0) for _ in range(3)]
+        if kind == "Planar":
+            axes = {axis: [self.random.uniform(-1.0, 1.0) for _ in range(3)] for axis in "uv"}
+            fields["mapping"] = {"Planar": {"origin": place} | axes}
+        if kind == "Spherical":
+            fields["mapping"] = {"Spherical": {"center": place}}
+            if self.chance(0.5):
+                fields["mapping"]["Spherical"] |= {"up": self.unit_direction(), "front": [0.6, 0.1, 0.8]}
+        return texture
+
+    def give_textures(self, geometries):
+        for geometry in geometries:
+            ((name, fields),) = geometry.items()
+            ((kind, material),) = fields["material"].items()
+            is_solid = name in ("Union", "Intersection", "Difference")
+            if kind in TEXTURED and not is_solid and self.chance(0.3):
+                material["texture"] = self.texture(name in NATURAL)
 
     def options(self):
         options = {"samples": self.random.randint(1, 7)}
@@ -245,6 +294,8 @@ class PathScenes(LitScenes):
     def scene(self):
         make = self.random.choice((self.room, self.room, self.scattered, self.touched, self.joined))
         geometries = make()
+        if make in (self.room, self.scattered):
+            self.give_textures(geometries)
         for _ in range(self.random.choice((0, 0, 1, 1, 2, 3))):
             geometries.append(self.lamp())
         # So many that they are in a tree.
@@ -255,7 +306,7 @@ class PathScenes(LitScenes):
             geometries.append({"Sphere": ball})
         around = self.around(geometries)
         image = {"width": self.random.randint(6, 14), "height": self.random.randint(5, 11)}
-        scene = {"image": image, "camera": around["camera"], "background": self.unit_color()}
+        scene = {"image": image, "camera": around["camera"]} | self.around_all()
         ((camera, fields),) = scene["camera"].items()
         if camera == "Perspective" and self.chance(0.3):
             fields["aperture"] = self.random.uniform(0.01, 0.5)
@@ -311,9 +362,8 @@ def main():
         if count:
             print(f"{path}: {count} of {off.size} pixels differ, the most by {np.nanmax(off):.2g}", flush=True)
         else:
-            for used in (path, layers, os.path.join(keep, f"{seed}.pfm")):
-                if os.path.exists(used):
-                    os.remove(used)
+            for used in (path, layers, *glob.glob(os.path.join(keep, f"{seed}-*.pfm"))):
+                os.remove(used)
     print(f"{options.count} scenes, {pixels} pixels, {wrong} differ; the others by {most:.1g} at most")
     return 1 if failed or wrong > paths.TOLERATED * pixels else 0
 
