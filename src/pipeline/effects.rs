@@ -135,6 +135,5 @@ impl Scene {
     }
 }
 
-const MIXED: &str =
-    "light, outlines and geometries of several materials give pixels colors of their own";
+const MIXED: &str = "light, outlines, backdrops and geometries of several materials give pixels colors of their own";
 const PLAIN: &str = "only colors of 8 bits without alpha have a palette";
