@@ -261,7 +261,9 @@ fn is_data(path: &Path) -> bool {
         let is_one = endings.iter().any(|ending| has_extension(path, ending));
         is_one && path.parent().is_some_and(|parent| parent.ends_with(folder))
     };
-    of("tables", &["csv", "npy", "npz", "ply", "xyz", "pdb"]) || of("meshes", &["ply", "obj"])
+    of("tables", &["csv", "npy", "npz", "ply", "xyz", "pdb"])
+        || of("meshes", &["ply", "obj"])
+        || of("pictures", &["png"])
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {

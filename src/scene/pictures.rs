@@ -13,7 +13,8 @@ use crate::{
         files::{self, Folder},
         format::{
             backdrop::BackdropModel, geometry::GeometryModel, light::LightModel,
-            material::MaterialModel, picture::PictureFileModel, scene::Model, texture::TextureModel,
+            material::MaterialModel, picture::PictureFileModel, scene::Model,
+            texture::TextureModel,
         },
         options::ReadOptions,
         place::Place,

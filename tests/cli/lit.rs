@@ -106,8 +106,19 @@ fn a_look_loses_neither_comments_nor_tracks_unasked() {
         tracks: {\"lights.lamp.intensity\": [(0, 1), (1, 2)]}),";
     let folder = self::folder(track);
     run(&mut folder.strahl(convert)).failure(2, &["`lights.lamp.intensity`", "remove the track"]);
-    let options = ["--look", "studio", "--samples", "1", "--frames", "1"];
-    picture(&folder, "lit.ron", &options);
+    let options = [
+        "--look",
+        "studio",
+        "--samples",
+        "1",
+        "--frames",
+        "1",
+        "-o",
+        "{frame}.ppm",
+        "-q",
+    ];
+    let args = ["render", "lit.ron"].into_iter().chain(options);
+    run(&mut folder.strahl(args)).quiet_success();
 }
 
 #[test]
