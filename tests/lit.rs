@@ -160,7 +160,8 @@ fn mean_light(lighting: &str) -> f64 {
         .sum()
 }
 
-// A block that is dark by chance ends early: a bias, which single pixels would make twenty times as large.
+// A block that is dark by chance ends early: a slight bias, which is much larger with single pixels in place of
+// blocks.
 #[test]
 fn less_noise_does_not_change_the_mean() {
     let all = mean_light("samples: 1024");

@@ -72,7 +72,7 @@ target; 75 cannot be written now, try again later; 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::Args),
+    Render(Box<render::Args>),
     Merge(merge::Args),
     Status(status::Args),
     Info(info::Args),

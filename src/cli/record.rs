@@ -253,6 +253,12 @@ fn make_folder(records: &Path) -> io::Result<()> {
     check_folder(records)
 }
 
+/// Prepares to write another file in a folder of records, which is made if it does not exist.
+pub(super) fn prepare(file: &Path) -> io::Result<()> {
+    make_folder(folder_of(file))?;
+    unless_gone(check_file(file)).map(|_| ())
+}
+
 /// Checks that a record is a file of this folder, and returns its metadata.
 fn check_file(path: &Path) -> io::Result<fs::Metadata> {
     let found = fs::symlink_metadata(path)?;

@@ -133,6 +133,9 @@ pub(super) struct ImageTerms<'a> {
     crop: Option<[u32; 4]>,
     /// The name of the camera, if it has one.
     camera: Option<&'a str>,
+    /// The number of paths of a pixel, if light follows paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u32>,
 }
 
 impl<'a> ImageTerms<'a> {
@@ -144,7 +147,13 @@ impl<'a> ImageTerms<'a> {
                 [crop.column(), crop.row(), size.width(), size.height()]
             }),
             camera,
+            samples: None,
         }
+    }
+
+    /// Adds the number of paths of a pixel.
+    pub(super) fn by_paths(self, samples: Option<u32>) -> Self {
+        Self { samples, ..self }
     }
 }
 

@@ -5,7 +5,7 @@ use std::{
     time::Instant,
 };
 
-use crate::cli::render::args::DrawArgs;
+use crate::cli::render::{args::DrawArgs, sampling::SamplingArgs};
 
 use super::{
     cameras::CameraArgs,
@@ -84,6 +84,7 @@ fn plan(args: &Args) -> Result<Plan<'_>, Failure> {
         frames: None,
         shard: None,
         resume: false,
+        sampling: SamplingArgs::default(),
         report: None,
         depfile: None,
     })?;

@@ -274,7 +274,8 @@ pub(crate) fn check_memory(size: Size, bytes: u64) -> Result<(), Error> {
     reserved.map_err(|error| too_large(size).caused_by(error))
 }
 
-fn too_large(size: Size) -> Error {
+/// Returns the error for a picture that is larger than the memory.
+pub(crate) fn too_large(size: Size) -> Error {
     let message = format!("a picture of {size} does not fit into memory");
     Error::new(ErrorKind::Unavailable, message)
 }

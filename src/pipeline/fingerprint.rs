@@ -188,10 +188,10 @@ impl Fingerprint {
         }
     }
 
-    /// Adds the options of paths; direct lighting has none.
+    /// Adds the options of paths but for their number, which is one of the picture; direct lighting has none.
     fn transport(&mut self, transport: &Transport) {
         let PathOptions {
-            samples,
+            samples: _,
             diffuse_depth,
             caustics,
             clamp,
@@ -205,11 +205,10 @@ impl Fingerprint {
         self.text("path");
         // No number is below 0.
         self.numbers([
-            samples.into(),
             diffuse_depth.map_or(-1.0, f64::from),
             f64::from(u8::from(caustics)),
+            clamp.unwrap_or(-1.0),
         ]);
-        self.number(clamp.unwrap_or(-1.0));
         self.number(noise.unwrap_or(-1.0));
         self.number(seed.into());
         if let PixelFilter::Gaussian(sigma) = filter {

@@ -49,11 +49,35 @@ impl Scene {
         let camera = self.camera_of(options)?;
         let entry = |name: &str, text: String| (name.to_owned(), text);
         let (picture, _) = options.in_words(self.size, self.samples());
-        Ok(vec![
+        let count = options.samples.unwrap_or_else(|| self.samples());
+        let samples = || entry("Samples", count.to_string());
+        let samples = self.world.paths().map(|_| samples());
+        let about = vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
             entry("Scene", self.fingerprint(&picture, &camera)),
             entry("Camera", in_words(&camera)),
-        ])
+        ];
+        Ok(about.into_iter().chain(samples).collect())
+    }
+
+    /// Returns a hash of everything that the sums of the samples of a picture depend on, but for their number.
+    pub(super) fn hash_of_sums(&self, options: &RenderOptions) -> Result<String, Error> {
+        let camera = self.camera_of(options)?;
+        let is_transparent = options.settings.is_transparent;
+        let noise = self.world.paths().and_then(|paths| paths.noise);
+        // The noise of a block is that after exposure.
+        let exposure = noise.map(|_| self.tone.exposure());
+        let size = options.size.unwrap_or(self.size);
+        let words = format!(
+            "{size} {} {is_transparent} {exposure:?}",
+            self.crop(options)?
+        );
+        let mut fingerprint = Fingerprint::default();
+        fingerprint.text(env!("CARGO_PKG_VERSION"));
+        fingerprint.text(&words);
+        fingerprint.camera(&camera);
+        fingerprint.text(self.world_hash.of(&self.world));
+        Ok(fingerprint.digits())
     }
 
     /// Returns a hash of everything the pixels depend on; `options` is the text of the options.
@@ -101,7 +125,7 @@ mod tests {
         film::{crop::Crop, samples::Samples, size::Size},
         image_file::{Compression, ImageFormat, Palette},
         parallel::{Cancel, timings::Timings},
-        render::layers::Layer,
+        render::{layers::Layer, shading::picture_sums::PictureSums},
         simd::isa::Isa,
         text::syntax::Syntax,
     };
@@ -111,7 +135,7 @@ mod tests {
         geometries: [Sphere(center: (0.3, 0, -3), radius: 1.5, color: (1, 0.4, 0.2))])";
 
     /// The options that do not change a byte.
-    const SAME: [&str; 5] = ["threads", "cancel", "progress", "timings", "isa"];
+    const SAME: [&str; 6] = ["sums", "threads", "cancel", "progress", "timings", "isa"];
 
     /// Every option with a value other than its default, by field name. Leaving out a field is a
     /// compile error.
@@ -128,6 +152,7 @@ mod tests {
             size: new().size(Size::new(20, 20).unwrap()),
             crop: new().crop(Crop::new(10, 10, 20, 12).unwrap()),
             samples: new().samples(Samples::new(4).unwrap()),
+            sums: new().sums(PictureSums::new((0..1, 0..1), Size::new(1, 1).unwrap()).unwrap()),
             layers: new().layers([Layer::Coverage]),
             settings: new().transparent(true),
             quality: new().format(ImageFormat::JPEG).quality(20),
@@ -199,6 +224,10 @@ mod tests {
             hash("lights: [Spot(position: (0, 0, 2), direction: (0, 0, -1), angle: 9)],"),
             hash("lights: [Spot(position: (0, 0, 2), direction: (0, 0, -1), angle: 9, blend: 1)],"),
             lit("lighting: Direct(max_depth: 3),"),
+            lit("lighting: Path(),"),
+            lit("lighting: Path(samples: 9),"),
+            lit("lighting: Path(noise: 0.1),"),
+            lit("lighting: Path(seed: 1),"),
             hash("outlines: (),"),
             hash("outlines: (width: 2),"),
             hash("outlines: (color: \"#fff\"),"),

@@ -9,6 +9,7 @@ mod fingerprint;
 mod hash;
 pub(crate) mod options;
 mod picture;
+mod rounds;
 
 use std::{fmt, path::Path, sync::Arc};
 

@@ -1,15 +1,22 @@
 //! The options for rendering a scene.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use crate::{
     diagnostic::{error::Error, setters::setters},
     film::{crop::Crop, samples::SampleCount, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, timings::Timings},
-    render::layers::{
-        Layer,
-        layout::{Layout, Settings},
+    pipeline::Scene,
+    render::{
+        layers::{
+            Layer,
+            layout::{Layout, Settings},
+        },
+        shading::picture_sums::PictureSums,
     },
     simd::isa::Isa,
 };
@@ -21,6 +28,7 @@ pub struct RenderOptions {
     pub(super) size: Option<Size>,
     pub(super) crop: Option<Crop>,
     pub(super) samples: Option<SampleCount>,
+    pub(super) sums: Option<Arc<PictureSums>>,
     pub(super) layers: Vec<Layer>,
     pub(crate) settings: Settings,
     pub(super) quality: Option<u8>,
@@ -69,6 +77,7 @@ impl RenderOptions {
             palette,
             format: _,
             // These do not change a byte.
+            sums: _,
             threads: _,
             cancel: _,
             progress: _,
@@ -120,6 +129,10 @@ impl RenderOptions {
 
         /// Sets the samples per pixel, instead of those of the scene.
         samples(samples: impl Into<SampleCount>) => samples = Some(samples.into());
+
+        /// Sets the sums of samples from [`Scene::add_samples`](crate::Scene::add_samples) with the same
+        /// options; only samples that they lack are traced.
+        sums(sums: impl Into<Arc<PictureSums>>) => sums = Some(sums.into());
 
         /// Sets the number of threads; 0, the default, means one per core. The picture is the same for
         /// every number.
@@ -185,6 +198,11 @@ impl RenderOptions {
         self.layers.sort_unstable();
         self.layers.dedup();
         self
+    }
+
+    /// Returns the number of samples per pixel, for a scene.
+    pub fn sample_count(&self, scene: &Scene) -> SampleCount {
+        self.samples.unwrap_or_else(|| scene.samples())
     }
 
     /// Returns the number of threads that will render.

@@ -108,6 +108,19 @@ impl Scene {
         Ok(())
     }
 
+    /// Checks that [`Scene::save_with`] can write a picture, as far as is known before it is rendered.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::save_with`] about the scene, the options and the format.
+    pub fn check_picture(
+        &self,
+        path: impl AsRef<Path>,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        self.checked_files(path.as_ref(), options).map(|_| ())
+    }
+
     /// Returns the files of a picture with their layers, after checking that they can be written.
     pub(super) fn checked_files(
         &self,
@@ -342,6 +355,12 @@ impl Scene {
         Ok(metadata)
     }
 
+    /// Returns the number of pixels to render.
+    pub fn pixels(&self, options: &RenderOptions) -> u64 {
+        let size = options.size.unwrap_or(self.size);
+        options.crop.map_or(size, Crop::size).pixels()
+    }
+
     /// Returns the part of the picture to render.
     pub(super) fn crop(&self, options: &RenderOptions) -> Result<Crop, Error> {
         let size = options.size.unwrap_or(self.size);
@@ -375,10 +394,10 @@ impl Scene {
     }
 
     /// Returns the renderer of the picture.
-    fn tracer<'a>(
+    pub(super) fn tracer<'a>(
         &'a self,
         camera: &'a Camera,
-        options: &RenderOptions,
+        options: &'a RenderOptions,
     ) -> Result<RayTracer<'a>, Error> {
         let size = options.size.unwrap_or(self.size);
         let follows_paths = self.world.paths().is_some();
@@ -388,9 +407,14 @@ impl Scene {
                 .map_err(|error| Error::refused(error.to_string()))?,
             None => self.samples,
         };
+        let hash = match &options.sums {
+            Some(_) => self.hash_of_sums(options)?,
+            None => String::new(),
+        };
         let tracer = RayTracer::with_size(camera, &self.world, size)
             .samples(grid)
             .paths(options.samples.filter(|_| follows_paths))
+            .known(options.sums.as_deref().filter(|sums| sums.hash() == hash))
             .tone(self.tone)
             .outlines(self.outlines)
             .isa(options.isa);
@@ -409,7 +433,20 @@ impl Scene {
         let crop = self.crop(options)?;
         let camera = self.camera_of(options)?;
         let tracer = self.tracer(&camera, options)?;
-        let work = Work {
+        let take = |film| watch.time(Stage::Encode, || each(film));
+        self.with_work(options, aovs, |work| {
+            watch.wait(|| tracer.draw_bands(crop, work, take))
+        })
+    }
+
+    /// Calls a function with the resources of a picture.
+    pub(super) fn with_work<T>(
+        &self,
+        options: &RenderOptions,
+        aovs: Aovs,
+        draw: impl FnOnce(Work) -> T,
+    ) -> T {
+        draw(Work {
             pool: &Pool::new(options.threads),
             cancel: &options.cancel,
             progress: options.progress.as_ref(),
@@ -422,9 +459,7 @@ impl Scene {
             },
             centers: aovs.centers,
             wanted: aovs.wanted,
-        };
-        let take = |film| watch.time(Stage::Encode, || each(film));
-        watch.wait(|| tracer.draw_bands(crop, work, take))
+        })
     }
 }
 

@@ -206,7 +206,7 @@ impl PixelSource<'_> {
             has_albedo: false,
             cancel: self.cancel,
         };
-        let traced = picture.trace((column..column + 1, row..row + 1));
+        let traced = picture.trace(&(column..column + 1, row..row + 1), None);
         let pixel = traced.and_then(|traced| traced.first().copied());
         let pixel = pixel.unwrap_or_default();
         let parts = pixel.light.parts.map(|sum| sum / f64::from(pixel.count));

@@ -17,6 +17,7 @@ pub use crate::tracer::{
 };
 pub use layers::Layer;
 pub use legend::Legend;
+pub use shading::picture_sums::PictureSums;
 pub use visibility::Seen;
 
 #[doc(hidden)]

@@ -19,7 +19,7 @@ use crate::{
         Cancel, Pool,
         timings::{Stage, Timings},
     },
-    render::shading::Shading,
+    render::shading::{Shading, picture_sums::PictureSums},
     simd::isa::Isa,
     tracer::{camera::Camera, tone::Tone, world::World},
 };
@@ -52,6 +52,7 @@ pub struct RayTracer<'a> {
     size: Size,
     samples: Samples,
     paths: Option<SampleCount>,
+    known: Option<&'a PictureSums>,
     tone: Tone,
     outlines: Option<Outlines>,
     isa: Isa,
@@ -79,6 +80,7 @@ impl<'a> RayTracer<'a> {
             size,
             samples: Samples::ONE,
             paths: None,
+            known: None,
             tone: world.tone(Tone::default()),
             outlines: None,
             isa: Isa::best(),
@@ -99,6 +101,9 @@ impl<'a> RayTracer<'a> {
 
         /// Sets the number of paths per pixel, where light follows paths; the default is that of the world.
         paths(paths: impl Into<Option<SampleCount>>) => paths = paths.into();
+
+        /// Sets the sums of the paths that are known already.
+        known(known: Option<&'a PictureSums>) => known = known;
 
         /// Sets the outlines; there are none by default.
         outlines(outlines: impl Into<Option<Outlines>>) => outlines = outlines.into();
@@ -172,23 +177,47 @@ impl<'a> RayTracer<'a> {
         mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         if self.is_shaded(work.wanted) {
-            let shading = Shading {
-                camera: self.camera,
-                world: self.world,
-                queries: &Accelerated::new((self.world, work.kept), work.builder(self.isa)),
-                size: self.size,
-                samples: self.samples,
-                paths: self.paths,
-                outlines: self.outlines,
-                tone: self.tone,
-                isa: self.isa,
-            };
-            return shading.draw(crop, work, &mut take);
+            let queries = self.queries(work);
+            return self.shading(&queries).draw(crop, work, &mut take);
         }
         let hits = FirstHits::new(self.camera, self.world, self.size, self.samples, self.isa);
         let (columns, rows) = (crop.columns(), crop.rows());
         let slab = (SLAB / columns.len() as u32).max(TILE) / TILE * TILE;
         cut(rows, slab).try_for_each(|rows| hits.draw(columns.clone(), rows, work, &mut take))
+    }
+
+    /// Adds samples to the sums of a part of the picture, as [`Shading::add_rounds`] does.
+    pub(crate) fn add_rounds(
+        &self,
+        crop: Crop,
+        work: Work,
+        sums: Option<PictureSums>,
+        next: impl FnMut(&PictureSums) -> Result<Option<u32>, Error>,
+    ) -> Result<PictureSums, Error> {
+        let queries = self.queries(work);
+        self.shading(&queries).add_rounds(crop, work, sums, next)
+    }
+
+    fn queries<'w>(&self, work: Work<'w>) -> Accelerated<'w>
+    where
+        'a: 'w,
+    {
+        Accelerated::new((self.world, work.kept), work.builder(self.isa))
+    }
+
+    fn shading<'s, Q>(&'s self, queries: &'s Q) -> Shading<'s, Q> {
+        Shading {
+            camera: self.camera,
+            world: self.world,
+            queries,
+            size: self.size,
+            samples: self.samples,
+            paths: self.paths,
+            known: self.known,
+            outlines: self.outlines,
+            tone: self.tone,
+            isa: self.isa,
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The view of a scene: the picture that somebody looks at.
 
+use std::{iter, sync::Arc};
+
 use glam::DVec3;
 
 use crate::{
@@ -14,7 +16,7 @@ use crate::{
     image_file::ImageFormat,
     parallel::Cancel,
     pipeline::{Scene, options::RenderOptions},
-    render::layers::Layer,
+    render::{layers::Layer, shading::picture_sums::PictureSums},
     scene::origin::Origin,
     session::{camera::Motion, outline::outline},
     tracer::{hit::Hit, ray::Ray, tone::Tone},
@@ -116,6 +118,33 @@ impl View {
         let mut file = Vec::new();
         scene.write_with(&mut file, ImageFormat::PNG, &options)?;
         Ok(file)
+    }
+
+    /// Returns a PNG file of the view in a scene whose light follows paths, with this many samples, and their
+    /// sums, with which the next call continues. More samples are added to those of `known`, unless these
+    /// are of something else. The file is that of [`View::png`] once it has all samples.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`View::png`], and more pixels than [`PictureSums::MOST_PIXELS`].
+    pub fn png_of_samples(
+        &self,
+        scene: &Scene,
+        samples: SampleCount,
+        known: Option<PictureSums>,
+        cancel: &Cancel,
+    ) -> Result<(Vec<u8>, Arc<PictureSums>), Error> {
+        let scene = self.of(scene)?;
+        let options = self.options(&scene, Quality::Full, cancel)?;
+        let options = options.samples(samples);
+        let known = known.filter(|known| known.samples() <= samples.count());
+        let mut rounds = iter::once(samples);
+        let sums = scene.add_samples(known, &options, |_| Ok(rounds.next()))?;
+        let sums = Arc::new(sums);
+        let options = options.sums(Arc::clone(&sums));
+        let mut file = Vec::new();
+        scene.write_with(&mut file, ImageFormat::PNG, &options)?;
+        Ok((file, sums))
     }
 
     pub(super) fn options(

@@ -27,6 +27,7 @@ mod options;
 mod parts;
 mod rewriting;
 mod row_cells;
+mod sampling;
 mod scene_faults;
 mod setting;
 mod shapes;

@@ -27,6 +27,7 @@ pub(crate) const PAGE_TESTS: &[(&str, PageTest)] = tests![
 pub(crate) const TESTS: &[(&str, fn())] = tests![
     closed_streams_are_let_go,
     slow_readers_cost_nothing,
+    rounds_of_paths_end_with_the_whole_picture,
     a_million_spheres_answer_while_they_are_drawn,
 ];
 
@@ -200,6 +201,42 @@ fn slow_readers_cost_nothing() {
         "{middle:?} {end:?}"
     );
     drop(streams);
+}
+
+fn rounds_of_paths_end_with_the_whole_picture() {
+    let text = r##"(
+    image: (width: 48, height: 36),
+    camera: Perspective(eye: (0, 1, 5), look_at: (0, 0.5, 0), fov: 40),
+    lighting: Path(samples: 6),
+    lights: [Environment(color: "#fff"), Point(position: (3, 5, 0), intensity: 9, radius: 1)],
+    geometries: [
+        Plane(point: (0, 0, 0), normal: (0, 1, 0), color: "#888"),
+        Sphere(center: (0, 0.7, 0), radius: 0.7, color: "#fb8500"),
+    ],
+)
+"##;
+    let preview = Preview::of("scene.ron", text);
+    let state = state_where(&preview, |state| state["checked"] == 1);
+    assert_eq!(state["scene"]["follows_paths"], true, "{state}");
+    let get = |query: &str| {
+        let path = format!("/picture?revision=1&{query}");
+        let answer = authorized(Request::get(&path), &preview).send(preview.port());
+        assert_eq!(answer.status, 200, "{query}: {}", answer.text());
+        answer.body
+    };
+    let rounds = [1, 2, 4, 6].map(|round| get(&format!("round={round}")));
+    assert!(rounds.windows(2).all(|two| two[0] != two[1]));
+    assert!(rounds[3] == get("quality=full"));
+    // Another view, and the same with fewer samples than are known.
+    assert!(get("round=2&exposure=1") == get("quality=full&samples=2&exposure=1"));
+    assert!(get("round=1&exposure=1") == get("quality=full&samples=1&exposure=1"));
+    let answer = authorized(Request::get("/picture?revision=1&round=0"), &preview);
+    let answer = answer.send(preview.port());
+    assert!(
+        answer.header("x-strahl-refused").is_some(),
+        "{}",
+        answer.text()
+    );
 }
 
 fn a_million_spheres_answer_while_they_are_drawn() {

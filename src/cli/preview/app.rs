@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-use super::{desk::Desk, drawings::Drawings, guard::Guard, references::References};
+use super::{
+    desk::Desk, drawings::Drawings, guard::Guard, progressive::Progressive, references::References,
+};
 
 /// The parts of the server that answers use.
 #[derive(Clone)]
 pub(super) struct App {
     pub(super) desk: Arc<Desk>,
     pub(super) drawings: Arc<Drawings>,
+    pub(super) progressive: Arc<Progressive>,
     pub(super) references: Arc<References>,
     pub(super) guard: Arc<Guard>,
 }
@@ -18,6 +21,7 @@ impl App {
         Self {
             desk,
             drawings: Arc::default(),
+            progressive: Arc::default(),
             references: Arc::default(),
             guard: guard.into(),
         }

@@ -57,6 +57,7 @@ fn scene_state(Ready { revision, scene }: &Ready) -> Value {
         "width": scene.size().width(),
         "height": scene.size().height(),
         "samples": scene.samples().count(),
+        "follows_paths": scene.follows_paths(),
         "cameras": scene.cameras().collect::<Vec<_>>(),
         "has_camera": scene.has_camera(),
         "frames": animation.map_or(1, |animation| animation.frames()),

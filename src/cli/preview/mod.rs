@@ -11,6 +11,7 @@ mod page;
 mod parts;
 mod pictures;
 mod places;
+mod progressive;
 mod references;
 mod refusal;
 mod requests;

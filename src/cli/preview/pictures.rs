@@ -41,6 +41,8 @@ pub(super) struct Asked {
     samples: Option<u32>,
     motion: Option<String>,
     quality: Option<String>,
+    /// The number of samples of a round, where light follows paths.
+    round: Option<u32>,
     /// The number of times that a magnified picture has the size of the scene's.
     factor: u32,
     x: u32,
@@ -136,10 +138,28 @@ pub(super) async fn draw(
 }
 
 pub(super) async fn picture(
-    State(App { desk, drawings, .. }): State<App>,
+    State(App {
+        desk,
+        drawings,
+        progressive,
+        ..
+    }): State<App>,
     asked: Asked,
 ) -> Result<Response, Refusal> {
-    draw(&desk, &drawings, &asked).await.map(png)
+    let Some(round) = asked.round else {
+        return draw(&desk, &drawings, &asked).await.map(png);
+    };
+    let (scene, view) = (asked.scene(&desk)?, asked.view()?);
+    let samples = SampleCount::new(round);
+    let samples = samples.map_err(|error| refuse::impossible(error.to_string()))?;
+    if !scene.follows_paths() {
+        return Err(refuse::impossible(
+            "only light that follows paths has rounds",
+        ));
+    }
+    let key = format!("{} {view:?} of {samples}", asked.revision);
+    let draw = move |cancel: &_| progressive.png(&view, &scene, samples, cancel);
+    drawings.get(key, draw).await.map(png)
 }
 
 /// Returns the picture for a screen with more pixels than it has; nothing if there is none.

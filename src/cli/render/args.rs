@@ -28,6 +28,7 @@ use crate::cli::{
         movie,
         output::{Drawing, drawing, drawings, is_folder},
         pattern::Pattern,
+        sampling::SamplingArgs,
     },
     scene::{self, SceneArgs, StdinArgs, ThreadArgs},
     set::SetArgs,
@@ -78,7 +79,8 @@ pub(crate) struct Args {
     /// `strahl merge` joins
     #[arg(help_heading = "Output", long, value_name = "I/N")]
     pub(super) shard: Option<Shard>,
-    /// Keep pictures that were rendered from the same scene with the same options
+    /// Keep pictures that were rendered from the same scene with the same options, and continue the
+    /// samples of those by paths
     #[arg(help_heading = "Output", long)]
     pub(super) resume: bool,
     /// Write the ids and positions of visible geometries to a JSON file; `-` is standard output. For
@@ -89,6 +91,8 @@ pub(crate) struct Args {
     /// and its parts
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub(super) depfile: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Run")]
+    pub(super) sampling: SamplingArgs,
     #[command(flatten)]
     pub(super) draw: DrawArgs,
 }

@@ -140,7 +140,8 @@ impl Run<'_> {
         if !self.is_all(threads) {
             let movie = self.movie(&shown, None, others)?;
             let pixels = self.pixels(&shown, movie.as_ref());
-            if pixels.saturating_mul(samples) >= LARGE {
+            let has_limit = self.args.sampling.time_limit().is_some();
+            if has_limit || pixels.saturating_mul(samples) >= LARGE {
                 return Ok(Outcome::Later);
             }
         }
@@ -170,7 +171,15 @@ impl Run<'_> {
         let is_recorded = self.records.is_some() || self.list.summary.is_some();
         let hashes = views.iter().filter(|_| is_recorded);
         let hashes = hashes.map(|view| self.hash(view));
-        let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
+        let hashes = hashes.collect::<Result<Vec<_>, _>>()?;
+        // The number of samples within a time is not known before.
+        let limit = self.args.sampling.time_limit();
+        let limit = limit.map(|limit| format!("{limit:?}"));
+        let hash = hashes
+            .into_iter()
+            .chain(limit)
+            .collect::<Vec<_>>()
+            .join("+");
         let files = views.iter().map(|view| self.files(view));
         let files = files.collect::<Result<Vec<_>, _>>()?.concat();
         if let Some(done) = self.kept(&name, &hash, &files) {
@@ -345,10 +354,19 @@ impl Run<'_> {
         let options = self.render.clone().threads(threads);
         let watched = options.clone().on_progress(step);
         let path = self.list.folder.join(file);
+        let mut samples = self.args.draw.picture.samples(scene.samples()).count();
         match &movie {
             Some(movie) if is_dash(&path) => movie.write(io::stdout().lock(), &watched)?,
             Some(movie) => movie.save(&path, &watched, self.cancel)?,
-            None => scene.save_with(path, &watched)?,
+            None => {
+                let quiet = (self.args.resume, self.args.draw.quiet);
+                let file = Some(&*path).filter(|path| !is_dash(path));
+                let sampling = self.args.sampling;
+                let sampled = sampling.sample(scene, file, watched, quiet)?;
+                scene.save_with(&path, &sampled.options)?;
+                sampled.finish();
+                samples = sampled.samples.unwrap_or(samples);
+            }
         }
         if let Some(report) = self.list.report(item)? {
             let report = cameras::name_of(&report, camera.as_deref());
@@ -356,10 +374,10 @@ impl Run<'_> {
                 .args
                 .draw
                 .picture
-                .image(scene.size(), camera.as_deref());
+                .image(scene.size(), camera.as_deref())
+                .by_paths(scene.follows_paths().then_some(samples));
             report::write(Path::new(&report), scene, &image, &options, self.cancel)?;
         }
-        let samples = self.args.draw.picture.samples(scene.samples()).count();
         self.rays
             .fetch_add(pixels * u64::from(samples), Ordering::Relaxed);
         let geometries = scene.world().ids() as u64;

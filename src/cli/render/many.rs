@@ -70,7 +70,10 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let list = List::new(args)?;
     let movie = args.movie();
     match movie {
-        Some(_) => args.draw.picture.check_movie()?,
+        Some(_) => {
+            args.sampling.check_movie()?;
+            args.draw.picture.check_movie()?;
+        }
         None => args.draw.picture.check(list.format()?)?,
     }
     let items: Vec<&Item> = list.of_part().collect();

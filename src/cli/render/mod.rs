@@ -10,6 +10,7 @@ mod movie;
 pub(crate) mod one;
 mod output;
 pub(crate) mod pattern;
+pub(crate) mod sampling;
 mod series;
 mod shared;
 pub(crate) mod source;

@@ -29,6 +29,7 @@ use crate::cli::{
     render::{
         args::{Args, DrawArgs},
         output::{Drawing, format_of},
+        sampling::SamplingArgs,
     },
     report, scene,
 };
@@ -47,6 +48,7 @@ pub(crate) struct Order<'a> {
     /// The band to draw, if not the whole picture.
     pub(crate) shard: Option<Shard>,
     pub(crate) resume: bool,
+    pub(crate) sampling: SamplingArgs,
     pub(crate) report: Option<&'a Path>,
     /// The file for the names of those that the picture depends on.
     pub(crate) depfile: Option<&'a Path>,
@@ -90,6 +92,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         frames: args.frames(),
         shard: args.shard,
         resume: args.resume,
+        sampling: args.sampling,
         report: args.report.as_deref(),
         depfile: args.depfile.as_deref(),
     })?;
@@ -205,17 +208,28 @@ impl Job<'_> {
         if let Some(why) = scene.unindexed(&options).filter(|_| !args.quiet) {
             scene::print_warning(&format!("the picture is not indexed: {why}"));
         }
+        let mut samples = scene.follows_paths().then(|| self.samples() as u32);
         match (output, order.shard) {
             (Some(path), Some(shard)) => {
                 scene.save_band(path, shard, &options, !order.resume)?;
             }
-            (Some(path), None) => scene.save_with(path, &options)?,
-            (None, _) => scene
-                .write_with(io::stdout().lock(), format, &options)
-                .map_err(|error| error.of_file(STDOUT))?,
+            (path, _) => {
+                let file = path.as_deref().filter(|path| !is_device(path));
+                let quiet = (false, args.quiet);
+                let sampled = order.sampling.sample(scene, file, options, quiet)?;
+                match path {
+                    Some(path) => scene.save_with(path, &sampled.options)?,
+                    None => scene
+                        .write_with(io::stdout().lock(), format, &sampled.options)
+                        .map_err(|error| error.of_file(STDOUT))?,
+                }
+                sampled.finish();
+                samples = sampled.samples.or(samples);
+            }
         }
         let reported = self.plan.report.as_ref().map_or(Ok(()), |path| {
             let image = args.picture.image(scene.size(), order.camera);
+            let image = image.by_paths(samples);
             report::write(path, scene, &image, &traced, self.cancel)
         });
         drop(progress);
@@ -223,7 +237,11 @@ impl Job<'_> {
         reported?;
         // With `--shard`, a band was written instead.
         files.retain(|file| order.shard.is_none() && !is_device(file));
-        let extent = args.picture.size(scene.size()).to_string();
+        let size = args.picture.size(scene.size());
+        let extent = match samples.filter(|_| order.sampling.time_limit().is_some()) {
+            Some(samples) => format!("{size}, {samples} samples per pixel"),
+            None => size.to_string(),
+        };
         Ok(self.drawn(files, extent, pixels * count))
     }
 
@@ -364,11 +382,20 @@ fn check(order: &Order, drawing: Drawing, output: Option<&Path>) -> Result<(), F
                 "{option} is for pictures or several movies, not for one movie"
             )))
         }
-        Drawing::Movie(_) => order.draw.picture.check_movie(),
+        Drawing::Movie(_) => {
+            order.sampling.check_movie()?;
+            order.draw.picture.check_movie()
+        }
         Drawing::Image(format) => {
             order.draw.picture.check(format)?;
             if is_band && output.is_none_or(is_device) {
                 let message = "a band is written next to its picture; name the picture with -o";
+                return Err(Failure::usage(message));
+            }
+            if let Some(option) = order.sampling.given().filter(|_| is_band) {
+                let message = format!(
+                    "{option} is for whole pictures: the bands of one picture have the same samples"
+                );
                 return Err(Failure::usage(message));
             }
             if is_band && has_report {

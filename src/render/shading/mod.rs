@@ -2,7 +2,8 @@
 
 mod part;
 pub(super) mod paths;
-pub(crate) mod pixel_sums;
+pub(crate) mod picture_sums;
+mod pixel_sums;
 mod sums;
 
 use std::{
@@ -10,7 +11,10 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use self::{part::HitRows, paths::PicturePaths, sums::Scratch};
+use self::{
+    part::HitRows, paths::PicturePaths, picture_sums::PictureSums, pixel_sums::PixelSums,
+    sums::Scratch,
+};
 use crate::{
     accel::{
         raster::{
@@ -56,6 +60,8 @@ pub(crate) struct Shading<'a, Q> {
     pub(crate) samples: Samples,
     /// The number of paths of a pixel, if it is not that of the world.
     pub(crate) paths: Option<SampleCount>,
+    /// The sums of the paths that are known already.
+    pub(crate) known: Option<&'a PictureSums>,
     pub(crate) outlines: Option<Outlines>,
     pub(crate) tone: Tone,
     pub(crate) isa: Isa,
@@ -102,7 +108,9 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         });
         let count = match &integrator {
             Integrator::Path(paths) => {
-                work.watch.time(|| self.queries.prepare());
+                if self.known.is_none() {
+                    work.watch.time(|| self.queries.prepare());
+                }
                 self.count(paths)
             }
             Integrator::Flat(_) | Integrator::Direct(_) => self.samples.count(),
@@ -153,6 +161,48 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
                 })?;
                 take(film)
             })
+    }
+
+    /// Adds samples to the sums of a part of the picture in rounds: as many as `next` returns for the sums so
+    /// far, until it returns none. Without sums, begins with no samples.
+    pub(crate) fn add_rounds(
+        &self,
+        crop: Crop,
+        work: Work,
+        sums: Option<PictureSums>,
+        mut next: impl FnMut(&PictureSums) -> Result<Option<u32>, Error>,
+    ) -> Result<PictureSums, Error> {
+        let is_transparent = work.resolver.is_transparent;
+        let integrator = Integrator::new(self.world, self.queries, self.tone, is_transparent);
+        let Integrator::Path(paths) = &integrator else {
+            let message = "only light that follows paths has samples to which others are added";
+            return Err(Error::refused(message));
+        };
+        let mut paths = self.paths(paths, true, work.cancel);
+        let area = paths.blocks_of(&(crop.columns(), crop.rows()));
+        let mut sums = match sums {
+            Some(sums) => sums,
+            None => PictureSums::new(area, self.size)?,
+        };
+        let (most, mut reached) = (u64::from(paths.count), sums.samples());
+        while let Some(count) = next(&sums)? {
+            work.watch.time(|| self.queries.prepare());
+            paths.count = count;
+            let columns = sums.columns().clone();
+            let parts = sums.parts(|row| paths.end_of_blocks(row));
+            let add = |(rows, pixels): (Range<u32>, &mut [PixelSums])| {
+                // What is cancelled meanwhile is dropped.
+                let _ = work.watch.time(|| paths.add_rows(&columns, &rows, pixels));
+                if let Some(progress) = work.progress {
+                    let at = |samples: u32| pixels.len() as u64 * u64::from(samples) / most;
+                    progress.add(at(count).saturating_sub(at(reached)));
+                }
+            };
+            let check = |()| work.cancel.check();
+            work.pool.in_order(parts, AHEAD, add, check)?;
+            reached = count;
+        }
+        Ok(sums)
     }
 
     /// Returns the number of paths of a pixel.

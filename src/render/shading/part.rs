@@ -53,7 +53,8 @@ impl<Q: Queries + Sync> HitRows<'_, Q> {
         let only_centers = match &self.state.integrator {
             Integrator::Path(paths) => {
                 let area = (self.columns.clone(), rows.clone());
-                let Some(traced) = self.paths(paths).trace(area) else {
+                let known = self.shading.known;
+                let Some(traced) = self.paths(paths).trace(&area, known) else {
                     return piece;
                 };
                 piece.light(self.light(rows.clone(), &traced));

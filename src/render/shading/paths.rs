@@ -2,7 +2,12 @@
 
 use std::ops::Range;
 
-use super::{part::HitRows, pixel_sums::PixelSums, sums::Scratch};
+use super::{
+    part::HitRows,
+    picture_sums::{PictureSums, PixelArea},
+    pixel_sums::PixelSums,
+    sums::Scratch,
+};
 use crate::{
     film::{Wanted, colors::NOTHING, size::Size},
     integrator::{
@@ -36,9 +41,6 @@ pub(crate) struct PicturePaths<'a, Q> {
     pub(crate) cancel: &'a Cancel,
 }
 
-/// Columns and rows of a picture, counted from the top left.
-type PixelArea = (Range<u32>, Range<u32>);
-
 impl<Q: Queries> PicturePaths<'_, Q> {
     /// The side of the blocks of pixels that are traced together, counted from the bottom left.
     pub(super) fn block_side(&self) -> u32 {
@@ -56,43 +58,62 @@ impl<Q: Queries> PicturePaths<'_, Q> {
         (left..right, height - top..height - bottom)
     }
 
-    /// Returns the sums of some pixels, row by row; `None` if the work is cancelled.
+    /// Returns the columns and rows of all blocks that some pixels are in.
+    pub(super) fn blocks_of(&self, (columns, rows): &PixelArea) -> PixelArea {
+        let first = self.block_of([columns.start, rows.start]);
+        let last = self.block_of([columns.end - 1, rows.end - 1]);
+        (first.0.start..last.0.end, first.1.start..last.1.end)
+    }
+
+    /// Returns the row after those of the blocks in a row of pixels.
+    pub(super) fn end_of_blocks(&self, row: u32) -> u32 {
+        self.block_of([0, row]).1.end
+    }
+
+    /// Returns the sums of some pixels, row by row, beginning with those that are known; `None` if the work is
+    /// cancelled.
     ///
     /// All blocks that they are in are traced, so that they do not depend on the part of the picture.
-    pub(crate) fn trace(&self, (columns, rows): PixelArea) -> Option<Vec<PixelSums>> {
-        let mut traced = vec![PixelSums::default(); columns.len() * rows.len()];
-        let mut block = Vec::new();
-        let mut row = rows.start;
-        while row < rows.end {
-            let mut column = columns.start;
-            let mut below = rows.end;
-            while column < columns.end {
-                let area = self.block_of([column, row]);
-                block.clear();
-                block.resize(area.0.len() * area.1.len(), PixelSums::default());
-                self.add_block(&area, &mut block)?;
-                let lines = block.chunks(area.0.len());
-                for (line, sums) in area
-                    .1
-                    .clone()
-                    .zip(lines)
-                    .filter(|(line, _)| rows.contains(line))
-                {
-                    let first = (line - rows.start) as usize * columns.len();
-                    for (at, sums) in area
-                        .0
-                        .clone()
-                        .zip(sums)
-                        .filter(|(at, _)| columns.contains(at))
-                    {
-                        traced[first + (at - columns.start) as usize] = *sums;
-                    }
-                }
-                (column, below) = (area.0.end, area.1.end);
-            }
-            row = below;
+    pub(crate) fn trace(
+        &self,
+        area: &PixelArea,
+        known: Option<&PictureSums>,
+    ) -> Option<Vec<PixelSums>> {
+        let mut sums = PictureSums::within(self.blocks_of(area), known);
+        let columns = sums.columns().clone();
+        for (rows, pixels) in sums.parts(|row| self.end_of_blocks(row)) {
+            self.add_rows(&columns, &rows, pixels)?;
         }
-        Some(traced)
+        let rows = area.1.clone().filter_map(|row| sums.row(row, &area.0));
+        Some(rows.flatten().copied().collect())
+    }
+
+    /// Adds samples to the pixels of a row of blocks, as many as they lack; `None` if the work is cancelled.
+    pub(super) fn add_rows(
+        &self,
+        columns: &Range<u32>,
+        rows: &Range<u32>,
+        pixels: &mut [PixelSums],
+    ) -> Option<()> {
+        let mut block = Vec::new();
+        let mut column = columns.start;
+        while column < columns.end {
+            let area = self.block_of([column, rows.start]);
+            let first = (column - columns.start) as usize;
+            let in_row = first..first + area.0.len();
+            block.clear();
+            for line in pixels.chunks(columns.len()) {
+                block.extend_from_slice(&line[in_row.clone()]);
+            }
+            let added = self.add_block(&area, &mut block);
+            let lines = pixels.chunks_mut(columns.len());
+            for (line, block) in lines.zip(block.chunks(area.0.len())) {
+                line[in_row.clone()].copy_from_slice(block);
+            }
+            added?;
+            column = area.0.end;
+        }
+        Some(())
     }
 
     /// Adds samples to the pixels of a block, as many as they lack; `None` if the work is cancelled.

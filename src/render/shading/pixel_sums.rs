@@ -3,6 +3,7 @@
 use std::array;
 
 use crate::{
+    film::parts::LightParts,
     integrator::{direct::Shaded, path::PathSample},
     tracer::radiance::Radiance,
 };
@@ -25,6 +26,57 @@ pub(crate) struct PixelSums {
 }
 
 impl PixelSums {
+    /// The number of bytes in a file.
+    pub(crate) const BYTES: usize = 128;
+
+    /// Returns all numbers, from the first to the last field.
+    pub(super) fn bytes(&self) -> [u8; Self::BYTES] {
+        let [direct, specular] = self.light.parts.all();
+        let lights = [
+            direct,
+            specular,
+            self.light.behind,
+            self.squares,
+            self.albedo,
+        ];
+        let counts = [self.count, self.hits].map(u32::to_le_bytes);
+        let channels = lights.iter().flat_map(|light| light.channels);
+        let mut bytes = [0; Self::BYTES];
+        let (first, others) = bytes.split_at_mut(8);
+        first.copy_from_slice(counts.as_flattened());
+        for (bytes, channel) in others.as_chunks_mut().0.iter_mut().zip(channels) {
+            *bytes = channel.to_le_bytes();
+        }
+        bytes
+    }
+
+    /// Returns the sums from their bytes.
+    pub(super) fn of_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let (first, others) = bytes.split_at(8);
+        let mut counts = first
+            .as_chunks()
+            .0
+            .iter()
+            .map(|bytes| u32::from_le_bytes(*bytes));
+        let mut numbers = others
+            .as_chunks()
+            .0
+            .iter()
+            .map(|bytes| f64::from_le_bytes(*bytes));
+        let mut light = || Radiance {
+            channels: array::from_fn(|_| numbers.next().unwrap_or_default()),
+        };
+        let parts = LightParts::new([light(), light()]);
+        let behind = light();
+        Self {
+            count: counts.next().unwrap_or_default(),
+            hits: counts.next().unwrap_or_default(),
+            light: Shaded { parts, behind },
+            squares: light(),
+            albedo: light(),
+        }
+    }
+
     /// Adds the next sample.
     pub(super) fn add(&mut self, sample: &PathSample, with_albedo: bool) {
         self.count += 1;
@@ -72,7 +124,7 @@ impl PixelSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{film::parts::LightParts, tracer::random::Rng};
+    use crate::tracer::random::Rng;
 
     fn sums(samples: impl IntoIterator<Item = Radiance>) -> PixelSums {
         let mut sums = PixelSums::default();
@@ -109,6 +161,26 @@ mod tests {
         let mean: f64 = (2.5 + 0.5 + 5.0) / 3.0;
         let noise = (5.0 / 12.0 * 5.0 / 3.0) * 4.0 / (2.0 * mean + 0.001);
         assert!((four.noise(2.0) - noise).abs() < 1e-15);
+    }
+
+    #[test]
+    fn bytes_hold_all_numbers() {
+        let light = |first| Radiance::new(first, 0.1 + first, -first);
+        let pixel = PixelSums {
+            count: 7,
+            hits: 5,
+            light: Shaded {
+                parts: LightParts::new([light(1.0), light(2.0)]),
+                behind: light(3.0),
+            },
+            squares: light(4.0),
+            albedo: light(5.0),
+        };
+        assert_eq!(PixelSums::of_bytes(&pixel.bytes()), pixel);
+        let mut numbers: Vec<_> = pixel.bytes()[8..].as_chunks::<8>().0.to_vec();
+        numbers.sort_unstable();
+        numbers.dedup();
+        assert_eq!(numbers.len(), 15, "each has a place of its own");
     }
 
     #[test]

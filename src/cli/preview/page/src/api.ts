@@ -34,6 +34,7 @@ export interface SceneState {
   width: number;
   height: number;
   samples: number;
+  follows_paths: boolean;
   cameras: string[];
   has_camera: boolean;
   frames: number;

@@ -25,6 +25,13 @@ export interface View {
   samples: number | undefined;
 }
 
+/** Returns the samples after each round of a picture: 1, 2, 4 and so on. */
+function rounds(samples: number): number[] {
+  const all = [];
+  for (let round = 1; round < samples; round *= 2) all.push(round);
+  return [...all, samples];
+}
+
 export class Picture {
   readonly view: View = { camera: undefined, frame: 0, layer: "color", exposure: undefined, samples: undefined };
   readonly image = element<HTMLImageElement>("picture");
@@ -80,7 +87,8 @@ export class Picture {
 
   /**
    * Draws the view: with one sample at first if it may take long, then whole. The last picture stays until
-   * then; only where there is none, a coarse one comes first.
+   * then; only where there is none, a coarse one comes first. Where light follows paths, rounds of one sample, two,
+   * four and so on are shown.
    */
   async draw(): Promise<void> {
     const { scene } = this;
@@ -91,18 +99,21 @@ export class Picture {
     this.isDrawing = true;
     this.sharp.stop();
     this.setState();
-    const steps = [
-      ...(this.image.hasAttribute("src") ? [] : ["coarse"]),
-      ...((this.view.samples ?? scene.samples) > 1 && this.duration > SLOW ? ["single"] : []),
-      "full",
-    ];
+    const samples = this.view.samples ?? scene.samples;
+    const steps: Query[] = scene.follows_paths
+      ? rounds(samples).map((round) => ({ round }))
+      : [
+          ...(this.image.hasAttribute("src") ? [] : ["coarse"]),
+          ...(samples > 1 && this.duration > SLOW ? ["single"] : []),
+          "full",
+        ].map((quality) => ({ quality }));
     const start = performance.now();
     try {
-      for (const quality of steps) {
-        const blob = await (await get("/picture", { ...this.query(), quality }, signal)).blob();
+      for (const [index, step] of steps.entries()) {
+        const blob = await (await get("/picture", { ...this.query(), ...step }, signal)).blob();
         if (signal.aborted) return;
         await showImage(this.image, blob);
-        if (quality === "full") this.finish(blob, performance.now() - start);
+        if (index === steps.length - 1) this.finish(blob, performance.now() - start);
         this.layOut();
       }
     } catch (error) {
