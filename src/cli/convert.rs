@@ -74,11 +74,17 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     })?;
     scene::report(&document, true)?;
     let document = match args.explicit_camera {
-        true => explicit(&document, &args)?,
+        true => {
+            let why = "they are in the camera that is replaced";
+            unless_lost(document.with_explicit_cameras()?, &args, why)?
+        }
         false => document,
     };
     let document = match args.look {
-        Some(look) => with_look(&document, look, &args)?,
+        Some(look) => {
+            let why = "they are in the lights that are replaced";
+            unless_lost(document.with_look(look)?, &args, why)?
+        }
         None => document,
     };
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
@@ -105,29 +111,15 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Returns the scene with the cameras that each `Fit` becomes.
-fn explicit(document: &Document, args: &Args) -> Result<Document, Failure> {
-    let (explicit, lost) = document.with_explicit_cameras()?;
+/// Returns a changed scene, unless comments are lost.
+fn unless_lost(
+    (document, lost): (Document, Option<LostComments>),
+    args: &Args,
+    why: &str,
+) -> Result<Document, Failure> {
     match lost.filter(|_| !args.force) {
-        Some(lost) => Err(lost_comments(
-            args,
-            lost,
-            "they are in the camera that is replaced",
-        )),
-        None => Ok(explicit),
-    }
-}
-
-/// Returns the scene with the lights of a look.
-fn with_look(document: &Document, look: Look, args: &Args) -> Result<Document, Failure> {
-    let (lit, lost) = document.with_look(look)?;
-    match lost.filter(|_| !args.force) {
-        Some(lost) => Err(lost_comments(
-            args,
-            lost,
-            "they are in the lights that are replaced",
-        )),
-        None => Ok(lit),
+        Some(lost) => Err(lost_comments(args, lost, why)),
+        None => Ok(document),
     }
 }
 

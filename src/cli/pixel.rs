@@ -114,6 +114,9 @@ pub(super) struct Explanation<'a> {
     ray: RayTerms,
     geometries: Vec<GeometryTerms<'a>>,
     hit: Option<HitTerms<'a>>,
+    /// What a ray sees that hits nothing.
+    #[serde(skip)]
+    behind: &'static str,
     /// The light of the pixel, unless it shows the color of its hit.
     #[serde(skip_serializing_if = "Option::is_none")]
     light: Option<LightTerms<'a>>,
@@ -354,6 +357,7 @@ impl<'a> Explanation<'a> {
                 also_on: also_on(scene, &ray, index, &hit),
                 mesh_group: hit.mesh_group().map(|group| group.name.as_str()),
             }),
+            behind: world.backdrop().map_or("background", |_| "backdrop"),
             light,
             color: channels(color),
             byte: color.to_rgb8(),
@@ -402,7 +406,7 @@ impl fmt::Display for Explanation<'_> {
 
         writeln!(out, "\nhit")?;
         match &self.hit {
-            None => writeln!(out, "  nothing: the ray sees the background")?,
+            None => writeln!(out, "  nothing: the ray sees the {}", self.behind)?,
             Some(hit) => {
                 writeln!(out, "  {} at t = {:?}, the smallest", hit.origin, hit.t)?;
                 writeln!(out, "  point        {}", vector(hit.point))?;

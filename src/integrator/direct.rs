@@ -101,6 +101,8 @@ pub(crate) enum Step<'a> {
     Term(&'static str, &'static str, Value),
     /// The surface is turned away from the light.
     FacesAway,
+    /// The light on a shadow ray, up to a `t`, that comes through.
+    Shadow(&'a Ray, f64, &'a Departure, Radiance),
     /// A path aims at this emitter, which it chose with this probability.
     Emitter(Option<EmittedBy>, f64),
     /// The probability of one of the first emitters.

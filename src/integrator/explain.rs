@@ -1,6 +1,7 @@
 //! The steps of the evaluation of light, for readers who want to check them by hand.
 //!
-//! Nothing is computed here: [`direct`](crate::integrator::direct) reports each value as it uses it.
+//! Nothing is computed here: [`direct`](crate::integrator::direct) and
+//! [`path`](crate::integrator::path) report each value as they use it.
 
 use std::cell::RefCell;
 
@@ -104,22 +105,28 @@ pub struct ShiningLight {
 /// Returns the steps of [`World::radiance`] in a lit world, for a picture with this tone; `None` in a flat
 /// one.
 pub fn explain(world: &World, ray: &Ray, tone: Tone) -> Option<TracedRay> {
-    let listener = Listener {
+    let recorder = StepRecorder {
         world,
         open: RefCell::default(),
     };
+    let listener = Listener::new(world, |step| recorder.note(step));
     Integrator::new(world, &listener, tone, false).trace(ray);
-    listener.open.into_inner().pop()
+    recorder.open.into_inner().pop()
 }
 
-/// A world that records each step.
-struct Listener<'a> {
+/// A world that tells each step to a function.
+pub(super) struct Listener<'a, T> {
     world: &'a World,
-    /// The rays that are being followed, each sent by the one before it.
-    open: RefCell<Vec<TracedRay>>,
+    tell: T,
 }
 
-impl Queries for Listener<'_> {
+impl<'a, T: Fn(Step)> Listener<'a, T> {
+    pub(super) const fn new(world: &'a World, tell: T) -> Self {
+        Self { world, tell }
+    }
+}
+
+impl<T: Fn(Step)> Queries for Listener<'_, T> {
     fn nearest(
         &self,
         ray: &Ray,
@@ -138,27 +145,40 @@ impl Queries for Listener<'_> {
 
     fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
         let transmission = self.world.transmission(ray, t_max, start);
-        self.at_light(|light| {
-            self.world.each_in_the_way(ray, t_max, start, |passed| {
-                let Passed {
-                    face, t, factor, ..
-                } = passed;
-                let id = self.world.id_of(face.geometry, face.face);
-                light.crossings.push((id, t, factor));
-            });
-            light.terms.extend([
-                Term::vector("shadow_direction", "shadow ray", ray.direction()),
-                Term::number("t_max", "t_max", t_max),
-                term("transmission", "transmission", Value::Light(transmission)),
-            ]);
-            light.dark = (transmission == Radiance::BLACK).then_some("it is in shadow");
-        });
+        self.tell(Step::Shadow(ray, t_max, start, transmission));
         transmission
     }
 
     const LISTENS: bool = true;
 
     fn tell(&self, step: Step) {
+        (self.tell)(step);
+    }
+}
+
+/// Calls `see` with the geometries in the way of a light: id, `t` and the part of the light that comes through.
+pub(super) fn each_crossing(
+    world: &World,
+    (ray, t_max, start): (&Ray, f64, &Departure),
+    mut see: impl FnMut((usize, f64, Radiance)),
+) {
+    world.each_in_the_way(ray, t_max, start, |passed| {
+        let Passed {
+            face, t, factor, ..
+        } = passed;
+        see((world.id_of(face.geometry, face.face), t, factor));
+    });
+}
+
+/// What is recorded.
+struct StepRecorder<'a> {
+    world: &'a World,
+    /// The rays that are being followed, each sent by the one before it.
+    open: RefCell<Vec<TracedRay>>,
+}
+
+impl StepRecorder<'_> {
+    fn note(&self, step: Step) {
         match step {
             Step::Ray(path) => self.open.borrow_mut().push(TracedRay {
                 ray: path.ray,
@@ -188,14 +208,23 @@ impl Queries for Listener<'_> {
                 }
             }),
             Step::FacesAway => self.at_light(|light| light.dark = Some("the surface faces away")),
+            Step::Shadow(ray, t_max, start, transmission) => self.at_light(|light| {
+                each_crossing(self.world, (ray, t_max, start), |crossing| {
+                    light.crossings.push(crossing);
+                });
+                light.terms.extend([
+                    Term::vector("shadow_direction", "shadow ray", ray.direction()),
+                    Term::number("t_max", "t_max", t_max),
+                    term("transmission", "transmission", Value::Light(transmission)),
+                ]);
+                light.dark = (transmission == Radiance::BLACK).then_some("it is in shadow");
+            }),
             Step::Emitter(..) | Step::OtherEmitter(..) | Step::Adds(_) => {}
             Step::Summed => self.at_surface(|surface| surface.is_summed = true),
             Step::Brings(shaded) => self.close(shaded),
         }
     }
-}
 
-impl Listener<'_> {
     fn end(&self, end: RayEnd) {
         if let Some(ray) = self.open.borrow_mut().last_mut() {
             ray.end = end;

@@ -58,14 +58,22 @@ fn fit(model: &mut Model, from: Triple) {
     for (_, camera) in model.cameras.iter_mut().flat_map(|cameras| &mut cameras.0) {
         *camera = framing(Some(camera), from);
     }
+    drop_tracks(model, &["camera", "cameras"]);
+}
+
+/// Drops the tracks of some fields of the root.
+pub(super) fn drop_tracks(model: &mut Model, fields: &[&str]) {
     let tracks = model.animation.as_mut();
     if let Some(tracks) = tracks.and_then(|animation| animation.tracks.as_mut()) {
-        tracks.0.retain(|(path, _)| {
-            let parts = path::parts(path).unwrap_or_default();
-            let first = parts.first().and_then(PathPart::name);
-            !matches!(first, Some("camera" | "cameras"))
-        });
+        tracks.0.retain(|(path, _)| !is_of(path, fields));
     }
+}
+
+/// Returns true if a track is one of some fields of the root.
+pub(super) fn is_of(track: &str, fields: &[&str]) -> bool {
+    let parts = path::parts(track).unwrap_or_default();
+    let first = parts.first().and_then(PathPart::name);
+    first.is_some_and(|first| fields.contains(&first))
 }
 
 /// Returns the camera with the projection of another that frames the scene from a direction.
@@ -145,7 +153,7 @@ impl ReadOptions {
         ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\")])";
         /// let options = ReadOptions::new().syntax(Syntax::Ron).look(Look::Studio);
         /// let scene = Scene::try_from(Document::from_reader("a.ron", text.as_bytes(), &options)?)?;
-        /// assert_eq!(scene.world().lights().len(), 2);
+        /// assert!(scene.world().lighting().is_some());
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
         look(look: impl Into<Option<Look>>) => additions.look = look.into();

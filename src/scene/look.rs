@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::{
     diagnostic::named::named,
     scene::{
+        additions::drop_tracks,
         format::{
             color::ColorModel,
             light::{
@@ -17,7 +18,6 @@ use crate::{
             scene::Model,
             sight::UP,
         },
-        path::{self, PathPart},
     },
     tracer::vector::unit,
 };
@@ -36,6 +36,9 @@ named! {
 const TO_SUN: [f64; 3] = [-0.6, 0.9, 0.6];
 
 impl Look {
+    /// The fields of a scene that it replaces.
+    pub(crate) const FIELDS: [&str; 2] = ["lights", "lighting"];
+
     /// Lights a scene. Tracks of its own lights are gone.
     pub(crate) fn light(self, model: &mut Model) {
         model.lighting = Some(self.lighting());
@@ -45,10 +48,7 @@ impl Look {
         if let Some(image) = model.image.as_mut().filter(|_| model.outlines.is_none()) {
             image.samples = None;
         }
-        let tracks = model.animation.as_mut();
-        if let Some(tracks) = tracks.and_then(|animation| animation.tracks.as_mut()) {
-            tracks.0.retain(|(path, _)| !changes_light(path));
-        }
+        drop_tracks(model, &Self::FIELDS);
     }
 
     /// Returns how light is evaluated.
@@ -89,13 +89,6 @@ impl Look {
             ],
         }
     }
-}
-
-/// Returns true if a track changes the light of a scene.
-pub(crate) fn changes_light(track: &str) -> bool {
-    let parts = path::parts(track).unwrap_or_default();
-    let first = parts.first().and_then(PathPart::name);
-    matches!(first, Some("lights" | "lighting"))
 }
 
 /// Returns the direction in which the light of the sun goes, to three places.

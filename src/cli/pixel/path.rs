@@ -122,11 +122,8 @@ impl ExplainedStep for ExplainedPath {
 
 impl ExplainedStep for PathSegment {
     fn data<M: SerializeMap>(&self, scene: &Scene, map: &mut M) -> Result<(), M::Error> {
-        let term = |Term { name, numbers, .. }: &'_ Term| (name.clone(), numbers.clone());
-        let terms: Vec<_> = self.terms.iter().map(term).collect();
-        let terms = terms
-            .iter()
-            .map(|(name, numbers)| NamedTerm { name, numbers });
+        let terms = self.terms.iter();
+        let terms = terms.map(|Term { name, numbers, .. }| NamedTerm { name, numbers });
         map.serialize_entry("depth", &self.depth)?;
         map.serialize_entry("origin", &self.ray.origin().to_array())?;
         map.serialize_entry("direction", &self.ray.direction().to_array())?;

@@ -8,18 +8,13 @@ use super::{PathTracer, emitters::EmittedBy, sampler::Sampler};
 use crate::{
     film::size::Size,
     integrator::{
-        direct::{Queries, Step},
-        explain::{Shading, term},
+        direct::Step,
+        explain::{Listener, Shading, each_crossing, term},
     },
     parallel::Cancel,
     tracer::{
-        camera::Camera,
-        contact::{Contact, Departure},
-        light::transport::Transport,
-        radiance::Radiance,
-        ray::Ray,
-        shape::{face::Crossing, working::Term},
-        world::World,
+        camera::Camera, light::transport::Transport, radiance::Radiance, ray::Ray,
+        shape::working::Term, world::World,
     },
 };
 
@@ -74,10 +69,8 @@ pub(crate) fn explain_paths(
     let Transport::Path(options) = lighting.transport else {
         return;
     };
-    let listener = PathListener {
-        world,
-        segments: RefCell::default(),
-    };
+    let segments = RefCell::default();
+    let listener = Listener::new(world, |step| note(world, &segments, step));
     let paths = PathTracer::new(world, lighting, options, &listener, false);
     for sample in samples {
         if cancel.is_cancelled() {
@@ -88,89 +81,55 @@ pub(crate) fn explain_paths(
         see(ExplainedPath {
             sample,
             pairs: [sampler.pair(0), sampler.pair(1)],
-            segments: listener.segments.take(),
+            segments: segments.take(),
             light: traced.light.parts.sum(),
         });
     }
 }
 
-/// A world that records each step.
-struct PathListener<'a> {
-    world: &'a World,
-    segments: RefCell<Vec<PathSegment>>,
-}
-
-impl PathListener<'_> {
-    fn at_end(&self, change: impl FnOnce(&mut PathSegment)) {
-        if let Some(segment) = self.segments.borrow_mut().last_mut() {
+/// Records a step.
+fn note(world: &World, segments: &RefCell<Vec<PathSegment>>, step: Step) {
+    let at_end = |change: &dyn Fn(&mut PathSegment)| {
+        if let Some(segment) = segments.borrow_mut().last_mut() {
             change(segment);
         }
-    }
-}
-
-impl Queries for PathListener<'_> {
-    fn nearest(
-        &self,
-        ray: &Ray,
-        start: Option<&Departure>,
-    ) -> Result<Option<(usize, Crossing)>, Contact> {
-        Queries::nearest(self.world, ray, start)
-    }
-
-    fn contact(&self, ray: &Ray, hit: (usize, Crossing)) -> Option<Contact> {
-        Queries::contact(self.world, ray, hit)
-    }
-
-    fn brightest(&self) -> f64 {
-        self.world.brightest()
-    }
-
-    fn transmission(&self, ray: &Ray, t_max: f64, start: &Departure) -> Radiance {
-        self.at_end(|segment| {
-            self.world.each_in_the_way(ray, t_max, start, |passed| {
-                let id = self.world.id_of(passed.face.geometry, passed.face.face);
-                segment.crossings.push((id, passed.t, passed.factor));
-            });
-        });
-        self.world.transmission(ray, t_max, start)
-    }
-
-    const LISTENS: bool = true;
-
-    fn tell(&self, step: Step) {
-        match step {
-            Step::Ray(path) => self.segments.borrow_mut().push(PathSegment {
-                ray: path.ray,
-                depth: path.depth,
-                factor: path.factor,
-                surface: None,
-                terms: Vec::new(),
-                emitter: None,
-                emitters: Vec::new(),
-                crossings: Vec::new(),
-                adds: Vec::new(),
-            }),
-            Step::Surface(surface) => self.at_end(|segment| {
-                let id = self.world.id_of(surface.index, surface.hit.face);
-                segment.surface = Some(Box::new(Shading::new(surface, id)));
-            }),
-            Step::Emitter(emitter, probability) => self.at_end(|segment| {
-                segment.emitter = emitter.map(|emitter| (emitter, probability));
-            }),
-            Step::OtherEmitter(emitter, probability) => {
-                self.at_end(|segment| segment.emitters.push((emitter, probability)));
-            }
-            Step::Term(name, symbol, value) => {
-                self.at_end(|segment| segment.terms.push(term(name, symbol, value)));
-            }
-            Step::Adds(light) => self.at_end(|segment| segment.adds.push(light)),
-            Step::Faint
-            | Step::TooDeep
-            | Step::Light(..)
-            | Step::Arriving(_)
-            | Step::FacesAway
-            | Step::Summed
-            | Step::Brings(_) => {}
+    };
+    match step {
+        Step::Ray(path) => segments.borrow_mut().push(PathSegment {
+            ray: path.ray,
+            depth: path.depth,
+            factor: path.factor,
+            surface: None,
+            terms: Vec::new(),
+            emitter: None,
+            emitters: Vec::new(),
+            crossings: Vec::new(),
+            adds: Vec::new(),
+        }),
+        Step::Surface(surface) => at_end(&|segment| {
+            let id = world.id_of(surface.index, surface.hit.face);
+            segment.surface = Some(Box::new(Shading::new(surface, id)));
+        }),
+        Step::Emitter(emitter, probability) => at_end(&|segment| {
+            segment.emitter = emitter.map(|emitter| (emitter, probability));
+        }),
+        Step::OtherEmitter(emitter, probability) => {
+            at_end(&|segment| segment.emitters.push((emitter, probability)));
         }
+        Step::Term(name, symbol, value) => {
+            at_end(&|segment| segment.terms.push(term(name, symbol, value)));
+        }
+        Step::Shadow(ray, t_max, start, _) => at_end(&|segment| {
+            let way = (ray, t_max, start);
+            each_crossing(world, way, |crossing| segment.crossings.push(crossing));
+        }),
+        Step::Adds(light) => at_end(&|segment| segment.adds.push(light)),
+        Step::Faint
+        | Step::TooDeep
+        | Step::Light(..)
+        | Step::Arriving(_)
+        | Step::FacesAway
+        | Step::Summed
+        | Step::Brings(_) => {}
     }
 }

@@ -11,11 +11,12 @@ mod emitter_tree;
 pub(crate) mod emitters;
 pub(crate) mod explain;
 mod glass;
+mod light;
 pub(crate) mod sampler;
 #[cfg(test)]
 mod tests;
 
-use std::{cell::OnceCell, f64::consts::PI, sync::Arc};
+use std::{cell::OnceCell, sync::Arc};
 
 use glam::DVec3;
 
@@ -24,7 +25,7 @@ use self::{
     sampler::{Purpose, Sampler},
 };
 use crate::{
-    film::{parts::LightParts, size::Size},
+    film::size::Size,
     integrator::{
         Integrate,
         direct::{Queries, Shaded, Step, Value},
@@ -44,7 +45,6 @@ use crate::{
         ray::Ray,
         sampling::LocalFrame,
         shape::face::{Crossing, FaceId},
-        vector::unit,
         world::{Lighting, World},
     },
 };
@@ -332,69 +332,6 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         }
     }
 
-    /// Adds the light of a ray that hits nothing.
-    fn escape(&self, path: &Path, state: &mut PathState) {
-        let beta = path.factor;
-        self.add(state, path, beta * state.diffuse * self.ambient);
-        if let Some((environment, number)) = self.emitters.environment() {
-            // A transparent picture shows none of it behind everything.
-            if path.depth == 0 && self.is_transparent {
-                return;
-            }
-            if path.depth > 0 || environment.is_visible() {
-                if !self.is_unseen(state) {
-                    let l = unit(path.ray.direction());
-                    let weight = self.weight(state, |_| Some((number, environment.density(l))));
-                    let light = environment.radiance(l);
-                    self.add(state, path, beta * weight * light);
-                }
-                return;
-            }
-        }
-        let sharp = beta * (Radiance::WHITE - state.diffuse);
-        if !self.is_transparent {
-            self.add(state, path, sharp * self.world.behind(&path.ray));
-        } else if path.depth > 0 {
-            state.light[0].behind = state.light[0].behind + sharp;
-        }
-    }
-
-    /// Adds light of a path.
-    fn add(&self, state: &mut PathState, path: &Path, light: Radiance) {
-        let limited = usize::from(self.options.clamp.is_some() && path.depth > 0);
-        let sum = &mut state.light[limited];
-        let direct = light * state.direct;
-        let specular = light * (Radiance::WHITE - state.direct);
-        self.queries.tell(Step::Adds(light));
-        sum.parts = sum.parts + LightParts { direct, specular };
-    }
-
-    /// Returns true if no emitter shows in a path: light gets to the last surface that scatters by shadow rays
-    /// alone.
-    fn is_unseen(&self, state: &PathState) -> bool {
-        state.is_caustic && !self.options.caustics
-    }
-
-    /// Returns the weight of light that a path finds, given the emitter that is aimed at from a point and the
-    /// density of the direction, if it is (the power heuristic).
-    fn weight(
-        &self,
-        state: &PathState,
-        emitter: impl FnOnce(DVec3) -> Option<(usize, f64)>,
-    ) -> f64 {
-        let Some((from, q)) = state.last else {
-            return 1.0;
-        };
-        let Some((number, density)) = emitter(from) else {
-            return 1.0;
-        };
-        let p = self.emitters.probability(from, number) * density;
-        let weight = q * q / (q * q + p * p);
-        self.number("found_density", "p of the emitter found", p);
-        self.number("found_weight", "w = q²/(q² + p²)", weight);
-        weight
-    }
-
     /// Tells a number.
     #[inline(always)]
     fn number(&self, name: &'static str, symbol: &'static str, number: f64) {
@@ -414,19 +351,6 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     fn direction(&self, name: &'static str, symbol: &'static str, direction: DVec3) {
         self.queries
             .tell(Step::Term(name, symbol, Value::Vector(direction)));
-    }
-
-    /// Adds the light of emitters that a ray passes before a distance, other than a camera's ray.
-    fn pass(&self, path: &Path, distance: f64, state: &mut PathState) {
-        if path.depth == 0 || self.is_unseen(state) {
-            return;
-        }
-        let from = state.last.map_or(path.ray.origin(), |(from, _)| from);
-        self.emitters
-            .each_passed(&path.ray, (from, distance), |passing| {
-                let weight = self.weight(state, |_| Some((passing.number, passing.density)));
-                self.add(state, path, path.factor * weight * passing.light);
-            });
     }
 
     /// Returns true if a path shows only what surfaces emit.
@@ -547,88 +471,6 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         }
     }
 
-    /// Adds the light of an emitter that is chosen by a number, and of the headlights.
-    fn shine(&self, vertex: &PathVertex, u: f64, state: &mut PathState, sampler: &Sampler) {
-        let surface = vertex.surface;
-        let path = surface.path;
-        if !state.has_scattered && self.headlight != Radiance::BLACK {
-            let scattering = vertex.from(surface.v);
-            let light = path.factor * scattering.all * PI * self.headlight;
-            self.add_scattered(state, path, scattering.diffuse_share(), light);
-        }
-        let point = surface.hit.point;
-        self.number("choice", "u of the emitter", u);
-        let Some((number, probability)) = self.emitters.choose(point, u) else {
-            return;
-        };
-        if Q::LISTENS {
-            let (emitter, world) = (self.emitters.emitted_by(self.world, number), self.world);
-            self.queries.tell(Step::Emitter(emitter, probability));
-            for (emitter, probability) in self.emitters.first_probabilities(world, point) {
-                self.queries.tell(Step::OtherEmitter(emitter, probability));
-            }
-        }
-        let pair = sampler.at(path.depth, Purpose::Emitter);
-        let from = (point, self.start(surface));
-        let Some(aim) = self.emitters.aim(self.world, number, from, pair) else {
-            return;
-        };
-        let scattering = vertex.from(aim.l);
-        self.direction("light_l", "l to the emitter", aim.l);
-        self.radiance("light", "L of the emitter", aim.light);
-        self.radiance("light_f", "f, with the cosine", scattering.all);
-        if scattering.all == Radiance::BLACK {
-            return;
-        }
-        let transmission = match aim.shadow {
-            Some(shadow) => {
-                let start = self.start_toward(vertex, aim.l);
-                self.transmission(surface, &start, shadow)
-            }
-            None => Radiance::WHITE,
-        };
-        if transmission == Radiance::BLACK {
-            return;
-        }
-        self.radiance(
-            "transmission",
-            "T, the part that comes through",
-            transmission,
-        );
-        let scattered = path.factor * scattering.all;
-        let light = match aim.density {
-            None => scattered * PI * aim.light * transmission / probability,
-            Some(density) => {
-                let p = probability * density;
-                let q = match aim.is_found {
-                    true => scattering.density,
-                    false => 0.0,
-                };
-                self.number("light_density", "p = P · density", p);
-                self.number("light_lobes", "q, the density of l by all lobes", q);
-                self.number("light_weight", "w = p²/(p² + q²)", p * p / (p * p + q * q));
-                scattered * aim.light * transmission * p / (p * p + q * q)
-            }
-        };
-        self.add_scattered(state, path, scattering.diffuse_share(), light);
-    }
-
-    /// Adds light that a surface scatters, of which its diffuse lobe scatters a part.
-    fn add_scattered(
-        &self,
-        state: &mut PathState,
-        path: &Path,
-        diffuse: Radiance,
-        light: Radiance,
-    ) {
-        let direct = state.direct;
-        if path.depth == 0 {
-            state.direct = diffuse;
-        }
-        self.add(state, path, light);
-        state.direct = direct;
-    }
-
     /// Returns where rays begin that a surface sends back.
     fn start<'s>(&self, surface: &'s Surface) -> &'s Departure {
         let (own, ray) = (surface.own(), &surface.path.ray);
@@ -653,30 +495,5 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         }
         state.diffuse = Radiance::BLACK;
         state.last = None;
-    }
-
-    /// Returns the part of the light that comes through on a shadow ray.
-    fn transmission(
-        &self,
-        surface: &Surface,
-        start: &Departure,
-        (direction, t_max): (DVec3, f64),
-    ) -> Radiance {
-        let ray = Ray::new(surface.hit.point, direction);
-        let light = self.queries.transmission(&ray, t_max, start);
-        let goes_through =
-            light != Radiance::BLACK && (self.has_clear_glass || light != Radiance::WHITE);
-        if goes_through && self.stops_at_glass {
-            let (start, mut is_stopped) = (self.queries.known(start), false);
-            self.world.each_in_the_way(&ray, t_max, &start, |passed| {
-                is_stopped |= passed.glass.is_some_and(|glass| {
-                    self.options.caustics && !glass.is_pane || glass.facets().is_some()
-                });
-            });
-            if is_stopped {
-                return Radiance::BLACK;
-            }
-        }
-        light
     }
 }

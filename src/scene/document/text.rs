@@ -7,6 +7,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, error::Error, path::Path},
     parallel::timings::Timings,
     scene::{
+        additions::is_of,
         animation::frames::Frames,
         assist::completion::{ColorPlace, Completions, Hover},
         check::check,
@@ -15,7 +16,7 @@ use crate::{
         format::{camera::CameraModel, scene::Model},
         framing::{Framing, Known, Subject},
         locate::{path_at, range_of},
-        look::{Look, changes_light},
+        look::Look,
         origin::Origin,
         path,
         source::Source,
@@ -216,12 +217,13 @@ impl Document {
     /// ```
     /// use strahl::{Document, Syntax, scene::Look};
     ///
-    /// let text = "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30), lights: [], geometries: [])";
+    /// let text = "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 30), lights: [], \
+    ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#ff0000\")])";
     /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
     /// let (lit, lost) = document.with_look(Look::Studio)?;
-    /// assert!(lit.text().contains("lighting: Path(samples:256), geometries: []"));
-    /// assert_eq!((lit.diagnostics(), lost), (vec![], None));
-    /// # Ok::<(), strahl::diagnostic::Error>(())
+    /// assert!(lit.text().contains("lighting: Path(samples:256), geometries: ["));
+    /// assert!(lit.diagnostics().is_empty() && lost.is_none());
+    /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn with_look(&self, look: Look) -> Result<(Self, Option<LostComments>), Error> {
         let (model, _) = self.model_and_tables()?;
@@ -230,20 +232,20 @@ impl Document {
             .iter()
             .flat_map(Frames::targets)
             .map(|(track, _)| track);
-        if let Some(track) = tracks.find(|track| changes_light(track)) {
+        if let Some(track) = tracks.find(|track| is_of(track, &Look::FIELDS)) {
             return Err(Error::refused(format!(
                 "{}: the lights cannot be replaced, because the track `{track}` changes them; remove the track",
                 self.name()
             )));
         }
         let (syntax, tree) = (self.syntax(), self.source.tree());
-        let fields = [
-            ("lights", convert::short(&look.lights(&model), syntax)),
-            ("lighting", convert::short(&look.lighting(), syntax)),
+        let values = [
+            convert::short(&look.lights(&model), syntax),
+            convert::short(&look.lighting(), syntax),
         ];
         let range = |name| range_of(self.text(), tree, Path::ROOT.field(name).steps());
         let (mut edits, mut lost, mut added) = (Vec::new(), Vec::new(), String::new());
-        for (name, value) in fields {
+        for (name, value) in Look::FIELDS.into_iter().zip(values) {
             match range(name) {
                 Some(range) => {
                     lost.extend(tree.comments_in(range.clone()).iter().map(Comment::range));
