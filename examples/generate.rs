@@ -9,7 +9,7 @@ use std::{env, error::Error, path::PathBuf, sync::Arc};
 use strahl::{
     Document, Scene, Syntax,
     scene::format::{
-        CameraModel, ColorModel, PerspectiveModel, SceneModel,
+        CameraModel, ColorModel, PerspectiveModel, Rare, SceneModel,
         geometry::{GeometryModel, PlaneModel, SphereModel},
         light::{HeadlightLightModel, LightModel},
         material::{MaterialModel, PhongModel},
@@ -42,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         point: [0.0, -1.0, 0.0],
         normal: [0.0, 1.0, 0.0],
         color: Some(ColorModel::Channels([0.2, 0.2, 0.25])),
+        texture: None,
         material: None,
         transform: None,
         name: None,
@@ -57,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             radius: 0.25,
             color: None,
             material: Some(Arc::new(shiny(ColorModel::Hex([255, 4 * index, 40])))),
-            transform: None,
+            rare: Rare::default(),
             name: None,
         })
     });

@@ -319,7 +319,7 @@ mod tests {
                 Sphere(center: (0, 0, 0), radius: 1, color: "#f0f"),
                 Sphere(center: (0, 1, 0), radius: 1, color: "#f0f"),
             ]),
-            Sphere(center: (0, 0, 9), radius: 1, color: "#0ff", name: "last"),
+            Sphere(center: (0, 0, 9), radius: 1, color: "#0ff", texture: Checker(), name: "last"),
         ],
         animation: (fps: 1, frames: 5, tracks: {TRACKS}),
     )"##;
@@ -335,6 +335,7 @@ mod tests {
         r#""geometries.balls.transforms[0].scale": [(0, 1), (4, 2)]"#,
         r#""geometries[5].of[1].radius": [(0, 1), (4, 2)]"#,
         r#""geometries.last.center": [(0, (0, 0, 9)), (4, (0, 9, 9))]"#,
+        r#""geometries.last.texture.size": [(0, 1), (4, 2)]"#,
     ];
 
     #[test]

@@ -443,7 +443,10 @@ fn rows(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::format::geometry::{GeometryModel, sphere::SphereModel};
+    use crate::scene::format::{
+        geometry::{GeometryModel, sphere::SphereModel},
+        rare::Rare,
+    };
 
     #[test]
     fn a_world_takes_over_the_memory_of_its_model() {
@@ -453,7 +456,7 @@ mod tests {
                 radius: 1.0,
                 color: Some(ColorModel::BLACK),
                 material: None,
-                transform: None,
+                rare: Rare::default(),
                 name: (index == 5).then(|| Box::new("five".into())),
             })
         };

@@ -182,6 +182,7 @@ mod tests {
     use crate::scene::format::{
         color::ColorModel,
         geometry::{plane::PlaneModel, sphere::SphereModel},
+        rare::Rare,
     };
 
     fn sphere(center: [f64; 3], radius: f64, grey: u8) -> GeometryModel {
@@ -190,7 +191,7 @@ mod tests {
             radius,
             color: Some(ColorModel::Hex([grey; 3])),
             material: None,
-            transform: None,
+            rare: Rare::default(),
             name: None,
         })
     }
@@ -200,6 +201,7 @@ mod tests {
             point,
             normal,
             color: Some(ColorModel::Hex([0; 3])),
+            texture: None,
             material: None,
             transform: None,
             name: None,

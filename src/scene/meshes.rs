@@ -8,14 +8,14 @@ use crate::{
         mesh::{Flaw, Format, MeshFile, Note, Request},
         table::{Names, Values},
     },
-    diagnostic::Code,
+    diagnostic::{Code, path::Path},
     scene::{
         files::{self, Folder},
         format::{
             color_by::ColorByModel,
             geometry::{
                 GeometryModel,
-                mesh::{MeshModel, OfVertices, ReadMesh},
+                mesh::{OfVertices, ReadMesh},
             },
             material::MaterialsModel,
             scene::Model,
@@ -58,10 +58,11 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
     let mut known: BTreeMap<Wanted, MeshOfFile> = BTreeMap::new();
     for at in model.meshes_in_files() {
         let variant = model.path_of(at);
-        let Some(GeometryModel::Mesh(geometry)) = model.geometry(at) else {
+        let Some(geometry) = model.geometry(at) else {
             continue;
         };
         let uv = needs_uv(geometry, model.materials.as_ref());
+        let path_of_texture = geometry.surface().path_of_texture(variant.clone());
         let Some(GeometryModel::Mesh(geometry)) = model.geometry_mut(at) else {
             continue;
         };
@@ -111,7 +112,7 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
                     names,
                 ));
                 if uv && !mesh.mesh.has_uv() {
-                    problems.push(without_uv(&place));
+                    problems.push(without_uv(&place, path_of_texture));
                 }
             }
             named.mesh.clone_from(mesh);
@@ -121,16 +122,13 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
 }
 
 /// Returns true if a mesh has a texture with the coordinates of its file.
-fn needs_uv(mesh: &MeshModel, materials: Option<&MaterialsModel>) -> bool {
-    let material = mesh.material.as_ref();
-    let described = material.and_then(|material| material.resolve(materials));
-    let texture = described.and_then(|material| material.texture());
-    mesh.color_by.is_none() && texture.is_some_and(TextureModel::is_natural)
+fn needs_uv(mesh: &GeometryModel, materials: Option<&MaterialsModel>) -> bool {
+    let texture = mesh.surface().texture(materials);
+    mesh.color_by().is_none() && texture.is_some_and(TextureModel::is_natural)
 }
 
-fn without_uv(place: &Place) -> Problem {
+fn without_uv(place: &Place, path: Path) -> Problem {
     let message = format!("{} has no texture coordinates", quote(place.file));
-    let path = place.variant.clone().field("material");
     let problem = Problem::new(Code::MissingUv, path, Focus::Value, message);
     problem.help(
         "save the mesh with texture coordinates, in an OBJ or a PLY file, or give the texture a `mapping`",

@@ -13,8 +13,7 @@ use crate::{
         files::{self, Folder},
         format::{
             backdrop::BackdropModel, geometry::GeometryModel, light::LightModel,
-            material::MaterialModel, picture::PictureFileModel, scene::Model,
-            texture::TextureModel,
+            picture::PictureFileModel, scene::Model, texture::TextureModel,
         },
         options::ReadOptions,
         place::Place,
@@ -158,14 +157,14 @@ impl Model {
     pub(crate) fn named_textures(&self) -> impl Iterator<Item = &PictureFileModel<Texels>> {
         let named = self.materials.iter().flat_map(|materials| &materials.0);
         let backdrop = self.backdrop.as_ref().and_then(BackdropModel::file);
-        let named = named.filter_map(|(_, material)| file_of(material));
+        let named = named.filter_map(|(_, material)| material.described().ok()?.texture()?.file());
         named.chain(backdrop)
     }
 
     /// Returns the pictures of all textures, and that of the backdrop.
     pub(crate) fn textures(&self) -> impl Iterator<Item = &PictureFileModel<Texels>> {
         let own = self.walk();
-        let own = own.filter_map(|(_, geometry)| file_of(geometry.surface().material?));
+        let own = own.filter_map(|(_, geometry)| geometry.surface().own_texture()?.file());
         self.named_textures().chain(own)
     }
 
@@ -190,37 +189,49 @@ impl Model {
         }
         let all = self.walk().filter(|(_, geometry)| is_textured(geometry));
         let all: Vec<_> = all.map(|(at, _)| at).collect();
-        // By the places of the materials before, which stay so that no other takes them.
-        let mut known: HashMap<*const MaterialModel, [Arc<MaterialModel>; 2]> = HashMap::new();
+        let (mut materials, mut textures) =
+            (ChangedArcs(HashMap::new()), ChangedArcs(HashMap::new()));
         for at in all {
-            let path = self.path_of(at).field("material").field("texture");
-            let Some(shared) = self.geometry_mut(at).and_then(GeometryModel::material_mut) else {
+            let path = self.path_of(at);
+            let Some(geometry) = self.geometry_mut(at) else {
                 continue;
             };
-            let place = Arc::as_ptr(shared);
-            if let Some([_, after]) = known.get(&place) {
-                *shared = Arc::clone(after);
-                continue;
+            if let Some(texture) = geometry.texture_mut() {
+                textures.change(texture, |texture| {
+                    if let Some(file) = texture.file_mut() {
+                        see(path.field("texture"), file);
+                    }
+                });
+            } else if let Some(material) = geometry.material_mut() {
+                materials.change(material, |material| {
+                    if let Some(file) = material.texture_mut().and_then(TextureModel::file_mut) {
+                        see(path.field("material").field("texture"), file);
+                    }
+                });
             }
-            let mut own = MaterialModel::clone(shared);
-            if let Some(file) = own.texture_mut().and_then(TextureModel::file_mut) {
-                see(path, file);
-            }
-            let own = Arc::new(own);
-            known.insert(place, [Arc::clone(shared), Arc::clone(&own)]);
-            *shared = own;
         }
     }
 }
 
-/// Returns true if the material of a geometry has a texture from a file, and no name.
-#[inline]
-pub(crate) fn is_textured(geometry: &GeometryModel) -> bool {
-    let material = geometry.surface().material;
-    material.is_some_and(|material| file_of(material).is_some())
+/// Shared values that were changed, by their places before: the values before, which stay so that no other
+/// takes their places, and those after.
+struct ChangedArcs<T>(HashMap<*const T, [Arc<T>; 2]>);
+
+impl<T: Clone> ChangedArcs<T> {
+    /// Changes a value, once for all that share it.
+    fn change(&mut self, shared: &mut Arc<T>, change: impl FnOnce(&mut T)) {
+        let [_, after] = self.0.entry(Arc::as_ptr(shared)).or_insert_with(|| {
+            let mut own = T::clone(shared);
+            change(&mut own);
+            [Arc::clone(shared), Arc::new(own)]
+        });
+        shared.clone_from(after);
+    }
 }
 
-/// Returns the picture of the texture of a material, if it has one.
-fn file_of(material: &MaterialModel) -> Option<&PictureFileModel<Texels>> {
-    material.described().ok()?.texture()?.file()
+/// Returns true if a geometry has a texture from a file, beside its color or in a material without a name.
+#[inline]
+pub(crate) fn is_textured(geometry: &GeometryModel) -> bool {
+    let texture = geometry.surface().own_texture();
+    texture.is_some_and(|texture| texture.file().is_some())
 }

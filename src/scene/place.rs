@@ -272,7 +272,8 @@ impl Place<'_> {
         problems: &mut Vec<Problem>,
     ) {
         // A material without a color is an unknown one, which is reported elsewhere.
-        let has_color = table.has_color() || named.material.is_some();
+        let has_surface = named.texture.is_some() || named.material.is_some();
+        let has_color = table.has_color() || has_surface;
         let needed = [("radius", table.has_radius()), ("color", has_color)];
         for (name, is_given) in needed {
             if !is_given && named.kind != RowKind::Copy {

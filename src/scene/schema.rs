@@ -67,7 +67,9 @@ fn a_mesh_is_given(definitions: &mut Map<String, Value>) {
                 "properties": {
                     "file": none, "vertices": some, "triangles": some, "color_by": none,
                 },
-                "anyOf": [given("color", &some), given("material", &some)],
+                "anyOf": [
+                    given("color", &some), given("texture", &some), given("material", &some),
+                ],
             },
         ]);
     }
@@ -292,9 +294,9 @@ impl Printer {
     }
 }
 
-/// Returns what each field of a set requires; `null` counts as missing.
+/// Returns what each list of fields of a set requires; `null` counts as missing.
 fn given_of(set: &Set, object: &Object) -> Value {
-    let given = set.fields.iter().map(|name| {
+    let given_field = |name: &&str| {
         let field = object.fields.iter().find(|field| field.name == *name);
         let some = match (set.needs, field.map(|field| (field.of_type)())) {
             (Needs::One | Needs::AtMostOne, _) => json!({"not": {"type": "null"}}),
@@ -305,6 +307,10 @@ fn given_of(set: &Set, object: &Object) -> Value {
             (Needs::Any, _) => json!({"not": {"type": "null"}}),
         };
         given(name, &some)
+    };
+    let given = set.fields.iter().map(|list| match list {
+        [name] => given_field(name),
+        list => json!({"anyOf": list.iter().map(given_field).collect::<Vec<_>>()}),
     });
     given.collect()
 }

@@ -13,7 +13,7 @@ use crate::{
         files::{self, Folder},
         foreign::Foreign,
         format::{
-            color::ColorModel,
+            color::{ColorModel, or_white},
             geometry::{
                 GeometryModel,
                 kind::{CopiesModel, TableModel},
@@ -284,17 +284,21 @@ fn open(
     Ok((table, file))
 }
 
-/// Returns the values of rows that have none: the color is that of the material, if it has one.
+/// Returns the values of rows that have none: the color is that of the material, if it has one, and
+/// white for a texture.
 /// Atoms have the colors of their elements.
 fn defaults(named: &TableModel, materials: Option<&MaterialsModel>, format: Format) -> Defaults {
-    let of_material = || {
+    let of_surface = || {
         if format.is_atoms() {
             return None;
+        }
+        if named.texture.is_some() {
+            return Some(or_white(None));
         }
         let material = named.material?.resolve(materials)?.build().ok()?;
         Some(material.color())
     };
-    let color = named.color.map(ColorModel::build).or_else(of_material);
+    let color = named.color.map(ColorModel::build).or_else(of_surface);
     // Rows whose values have colors need no others.
     let color = color.or_else(|| named.color_by.map(|_| Color::BLACK));
     Defaults {

@@ -191,6 +191,7 @@ mod tests {
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
+        rare::Rare,
     };
 
     const WHITE: ColorModel = ColorModel::Hex([255; 3]);
@@ -237,7 +238,7 @@ mod tests {
             radius,
             color: Some(WHITE),
             material: None,
-            transform: None,
+            rare: Rare::default(),
             name: None,
         });
         view.certainly_misses(&leaf(&sphere), &Tables::default())
@@ -248,6 +249,7 @@ mod tests {
             point,
             normal,
             color: Some(WHITE),
+            texture: None,
             material: None,
             transform: None,
             name: None,

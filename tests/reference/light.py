@@ -89,6 +89,8 @@ def material_of(fields, named):
         values = dict(values)
     if fields.get("color") is not None:
         values["diffuse" if kind == "Phong" else "color"] = fields["color"]
+    if fields.get("texture") is not None:
+        values["texture"] = fields["texture"]
     return Material(kind, values)
 
 

@@ -468,6 +468,7 @@ def read_scene(path):
     materials = [variant(material)[1] for material in optional(scene, "materials", {}).values()]
     for geometry in scene["geometries"]:
         _, fields = variant(geometry)
+        materials.append(fields)
         if fields.get("material") is not None and isinstance(variant(fields["material"])[1], dict):
             materials.append(variant(fields["material"])[1])
     for described in [each.get("texture") for each in materials] + [scene.get("backdrop")]:

@@ -157,7 +157,13 @@ class PathScenes(LitScenes):
             ((kind, material),) = fields["material"].items()
             is_solid = name in ("Union", "Intersection", "Difference")
             if kind in TEXTURED and not is_solid and self.chance(0.3):
-                material["texture"] = self.texture(name in NATURAL)
+                texture = self.texture(name in NATURAL)
+                if kind == "Matte" and len(fields) % 2 == 0:
+                    # Beside the color.
+                    del fields["material"]
+                    fields |= {**material, "texture": texture}
+                else:
+                    material["texture"] = texture
 
     def options(self):
         options = {"samples": self.random.randint(1, 7)}
@@ -319,7 +325,7 @@ class PathScenes(LitScenes):
             scene["materials"] = {"named": self.material()}
             for geometry in self.random.sample(geometries, self.random.randint(0, len(geometries))):
                 ((_, fields),) = geometry.items()
-                if "Emissive" not in fields["material"]:
+                if "Emissive" not in fields.get("material", "Emissive"):
                     fields["material"] = {"Named": "named"}
         scene["geometries"] = self.moved(geometries) if self.chance(0.2) else geometries
         return scene

@@ -318,7 +318,7 @@ impl<'m> Owner<'m> {
             (Some("image" | "outlines"), _) => Aspect::Picture,
             (Some("camera" | "cameras"), _) => Aspect::Camera,
             (Some("lights"), _) => Aspect::Light,
-            (Some("materials"), _) | (_, Some("material")) => Aspect::Material,
+            (Some("materials"), _) | (_, Some("material" | "texture")) => Aspect::Material,
             (_, Some("color_by")) => Aspect::ColorBy,
             (_, Some(_)) => Aspect::Transform,
             (Some(Model::LONG), None) => Aspect::Geometry,
@@ -337,7 +337,9 @@ impl<'m> Owner<'m> {
             Aspect::Scene | Aspect::Picture | Aspect::Material | Aspect::ColorBy => "it",
         };
         let sets = self.thing.sets();
-        let other = sets.iter().find_map(|(set, _)| set.instead_of(field));
+        let other = sets
+            .iter()
+            .find_map(|(set, given)| set.instead_of(field, given));
         fault.with_help(match other {
             Some(other) => format!("change `{other}`, or give {what} `{field}` instead of it"),
             None => format!("give {what} `{field}`"),

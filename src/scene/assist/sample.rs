@@ -81,9 +81,9 @@ pub(super) fn fields(of_type: Type) -> Vec<(bool, &'static Field)> {
     let is_first = |name: &str| {
         let mut sets = object.sets.iter();
         sets.any(|set| match set.needs {
-            Needs::One => !is_operand && set.fields.first() == Some(&name),
+            Needs::One => !is_operand && set.first() == Some(name),
             Needs::AtMostOne => false,
-            Needs::Any => set.fields.first() == Some(&name),
+            Needs::Any => set.first() == Some(name),
         })
     };
     let fields = object.fields.iter();

@@ -25,6 +25,7 @@ pub(crate) mod orthographic;
 pub(crate) mod outlines;
 pub(crate) mod perspective;
 pub(crate) mod picture;
+pub(crate) mod rare;
 pub(crate) mod scene;
 pub(crate) mod sight;
 pub(crate) mod texture;
@@ -53,6 +54,7 @@ pub use crate::scene::format::{
     outlines::OutlinesModel,
     perspective::PerspectiveModel,
     picture::PictureFileModel,
+    rare::Rare,
     scene::Model as SceneModel,
     texture::{
         CheckerModel, ImageTextureModel, MappingModel, NaturalMappingModel, PlanarMappingModel,

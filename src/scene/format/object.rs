@@ -22,8 +22,11 @@
 //! fields of its own, and `Choice(…)` is one of several words. `Text(…)`, `File { endings }(…)` and
 //! `Other { type }(…)` are for what no number can set.
 //!
-//! Behind the fields stand those of which exactly one, at most one or any is given; `not solid` is for a
-//! geometry that is none.
+//! Behind the fields stand those of which exactly one, at most one or any is given, with a `+` between two that
+//! may be given together; `not solid` is for a geometry that is none.
+//!
+//! `rare` stands before an optional field that few things have. Where there may be millions of a thing,
+//! `rare in SphereRest` behind its fields keeps these fields in a box, a struct of this name.
 //!
 //! [`Kind`]: crate::scene::format::field::FieldKind
 
@@ -40,27 +43,41 @@ macro_rules! docs {
 macro_rules! object {
     (
         $(#[$($meta:tt)*])* pub struct $model:ident = $name:literal { $($fields:tt)* }
-        $(one of $one:ident $(, $other:ident)+)?
-        $(at most one of $some:ident, $else:ident)?
+        $(one of $one:ident $(+ $with:ident)? $(, $other:ident)+)?
+        $(at most one of $some:ident $(+ $beside:ident)?, $else:ident)?
         $(any of $any:ident, $all:ident)?
         $(not $solid:ident)?
+        $(rare in $rest:ident)?
     ) => {
         $crate::scene::format::object::object! {
             @fields [$([$($meta)*])*] $model $name [
-                $(One [$one $($other)+],)? $(AtMostOne [$some $else],)? $(Any [$any $all],)?
-                ; $($solid)?
+                $(One [[$one $($with)?] $([$other])+],)?
+                $(AtMostOne [[$some $($beside)?] [$else]],)?
+                $(Any [[$any] [$all]],)?
+                ; $($solid)?; $($rest)?
             ] [] $($fields)*
         }
     };
 
     // One field after another, with a list of those before it.
     (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
+        $(#[$($meta:tt)*])* rare $field:ident $(| $other:ident)*:
+        $kind:ident $({ $of:expr })? $(($type:ty))? ?, $($rest:tt)*
+    ) => {
+        $crate::scene::format::object::object! {
+            @fields $docs $model $name $sets [$($done)* {
+                [$([$($meta)*])*] [[serde(skip_serializing_if = "Option::is_none")]]
+                $field [] [$($other)*;] rare $kind [$($of)?] [$($type)?] [] []
+            }] $($rest)*
+        }
+    };
+    (@fields $docs:tt $model:ident $name:literal $sets:tt [$($done:tt)*]
         $(#[$($meta:tt)*])* $field:ident $(as $rename:literal)? $(| $other:ident)* $(! $unlike:ident)*:
         $kind:ident $({ $of:expr })? $(($type:ty))? = $default:expr, $($rest:tt)*
     ) => {
         $crate::scene::format::object::object! {
             @fields $docs $model $name $sets [$($done)* {
-                [$([$($meta)*])* [serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
+                [$([$($meta)*])*] [[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
                 $field [$($rename)?] [$($other)*; $($unlike)*] optional $kind [$($of)?] [$($type)?] [$default] [$default]
             }] $($rest)*
         }
@@ -71,7 +88,7 @@ macro_rules! object {
     ) => {
         $crate::scene::format::object::object! {
             @fields $docs $model $name $sets [$($done)* {
-                [$([$($meta)*])* [serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
+                [$([$($meta)*])*] [[serde($(rename = $rename,)? skip_serializing_if = "Option::is_none")]]
                 $field [$($rename)?] [$($other)*; $($unlike)*] optional $kind [$($of)?] [$($type)?] [$($first)?] []
             }] $($rest)*
         }
@@ -82,28 +99,23 @@ macro_rules! object {
     ) => {
         $crate::scene::format::object::object! {
             @fields $docs $model $name $sets [$($done)* {
-                [$([$($meta)*])* $([serde(rename = $rename)])?]
+                [$([$($meta)*])*] [$([serde(rename = $rename)])?]
                 $field [$($rename)?] [$($other)*; $($unlike)*] required $kind [$($of)?] [$($type)?] [] []
             }] $($rest)*
         }
     };
 
     (@fields [$([$($meta:tt)*])*] $model:ident $name:literal
-        [$($needs:ident [$($one:ident)+],)*; $($solid:ident)?]
+        [$($needs:ident [$([$($one:ident)+])+],)*; $($solid:ident)?; $($rest:ident)?]
         [$({
-            [$([$($attribute:tt)*])*]
+            [$([$($doc:tt)*])*] [$([$($serde:tt)*])?]
             $field:ident [$($rename:literal)?] [$($other:ident)*; $($unlike:ident)*] $given:ident $kind:ident $of:tt $type:tt
             [$($first:expr)?] [$($default:expr)?]
         })*]
     ) => {
-        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-        #[serde(rename = $name, deny_unknown_fields)]
-        $(#[$($meta)*])*
-        pub struct $model {
-            $(
-                $(#[$($attribute)*])*
-                pub $field: $crate::scene::format::object::object!(@given $given $kind $type),
-            )*
+        $crate::scene::format::object::object! {
+            @struct [$($rest)?] [$([$($meta)*])*] $model $name
+            $({ $given $field [$([$($doc)*])*] [$([$($serde)*])?] $kind $type })*
         }
 
         const _: () = {
@@ -112,7 +124,7 @@ macro_rules! object {
             impl $model {
                 /// Fields that are given in place of each other.
                 const SETS: &'static [thing::Set] = &[$(thing::Set {
-                    fields: &[$(stringify!($one)),+],
+                    fields: &[$(&[$(stringify!($one)),+]),+],
                     needs: thing::Needs::$needs,
                 }),*];
 
@@ -120,7 +132,7 @@ macro_rules! object {
                 pub(crate) const FIELDS: &'static [field::Field] = &[$(
                     field::Field {
                         name: object::object!(@name $field $($rename)?),
-                        docs: object::docs!($([$($attribute)*])*),
+                        docs: object::docs!($([$($doc)*])*),
                         others: &[$(stringify!($other)),*],
                         unlike: &[$(stringify!($unlike)),*],
                         kind: object::object!(@kind $kind $of),
@@ -148,8 +160,10 @@ macro_rules! object {
                     Self::FIELDS
                 }
 
-                fn sets(&self) -> Vec<(&'static thing::Set, Vec<bool>)> {
-                    let given: [Vec<bool>; Self::SETS.len()] = [$(vec![$(self.$one.is_some()),+]),*];
+                fn sets(&self) -> Vec<(&'static thing::Set, thing::GivenFields)> {
+                    let given: [thing::GivenFields; Self::SETS.len()] = [$(vec![$(
+                        None$(.or(self.$one.as_ref().map(|_| stringify!($one))))+
+                    ),+]),*];
                     Self::SETS.iter().zip(given).collect()
                 }
 
@@ -229,11 +243,117 @@ macro_rules! object {
         }
     };
 
+    // The struct, in one piece.
+    (@struct [] [$([$($meta:tt)*])*] $model:ident $name:literal
+        $({ $given:ident $field:ident [$([$($doc:tt)*])*] [$([$($serde:tt)*])?] $kind:ident $type:tt })*
+    ) => {
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(rename = $name, deny_unknown_fields)]
+        $(#[$($meta)*])*
+        pub struct $model {
+            $(
+                $(#[$($doc)*])*
+                $(#[$($serde)*])?
+                pub $field: $crate::scene::format::object::object!(@given $given $kind $type),
+            )*
+        }
+    };
+
+    // The struct without its rare fields, which follow in a box, one field after another.
+    (@struct [$rest:ident] $docs:tt $model:ident $name:literal $($field:tt)*) => {
+        $crate::scene::format::object::object! {
+            @split $rest $docs $model $name [$($field)*] [] [] $($field)*
+        }
+    };
+    (@split $rest:ident $docs:tt $model:ident $name:literal $all:tt $kept:tt [$($rare:tt)*]
+        { rare $($of:tt)* } $($field:tt)*
+    ) => {
+        $crate::scene::format::object::object! {
+            @split $rest $docs $model $name $all $kept [$($rare)* { rare $($of)* }] $($field)*
+        }
+    };
+    (@split $rest:ident $docs:tt $model:ident $name:literal $all:tt [$($kept:tt)*] $rare:tt
+        $one:tt $($field:tt)*
+    ) => {
+        $crate::scene::format::object::object! {
+            @split $rest $docs $model $name $all [$($kept)* $one] $rare $($field)*
+        }
+    };
+    (@split $rest:ident [$([$($meta:tt)*])*] $model:ident $name:literal
+        [$({ $any_given:ident $any:ident $any_doc:tt [$([$($serde:tt)*])?] $any_kind:ident $any_type:tt })*]
+        [$({ $given:ident $field:ident [$([$($doc:tt)*])*] $field_serde:tt $kind:ident $type:tt })*]
+        [$({ $rare_given:ident $rare:ident [$([$($rare_doc:tt)*])*] $rare_serde:tt $rare_kind:ident $rare_type:tt })*]
+    ) => {
+        #[derive(Clone, Debug, PartialEq)]
+        $(#[$($meta)*])*
+        pub struct $model {
+            $(
+                $(#[$($doc)*])*
+                pub $field: $crate::scene::format::object::object!(@given $given $kind $type),
+            )*
+            /// The fields that few have; they are read and written as if they stood here.
+            pub rare: $crate::scene::format::rare::Rare<$rest>,
+        }
+
+        #[doc = concat!("The fields that few of many have: those of a [`", stringify!($model), "`].")]
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct $rest {
+            $(
+                $(#[$($rare_doc)*])*
+                pub $rare: $crate::scene::format::object::object!(@given $rare_given $rare_kind $rare_type),
+            )*
+        }
+
+        impl std::ops::Deref for $model {
+            type Target = $rest;
+
+            #[inline]
+            fn deref(&self) -> &$rest {
+                static NONE: $rest = $rest { $($rare: None),* };
+                self.rare.get().unwrap_or(&NONE)
+            }
+        }
+
+        impl std::ops::DerefMut for $model {
+            fn deref_mut(&mut self) -> &mut $rest {
+                self.rare.get_or_insert()
+            }
+        }
+
+        const _: () = {
+            /// All fields, as in a file.
+            #[derive(serde::Serialize, serde::Deserialize)]
+            #[serde(rename = $name, deny_unknown_fields)]
+            struct WholeModel {
+                $(
+                    $(#[$($serde)*])?
+                    $any: $crate::scene::format::object::object!(@given $any_given $any_kind $any_type),
+                )*
+            }
+
+            impl serde::Serialize for $model {
+                fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                    WholeModel { $($any: self.$any.clone()),* }.serialize(serializer)
+                }
+            }
+
+            impl<'de> serde::Deserialize<'de> for $model {
+                #[inline]
+                fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                    let whole = WholeModel::deserialize(deserializer)?;
+                    let is_given = false $(|| whole.$rare.is_some())*;
+                    let rare = is_given.then(|| $rest { $($rare: whole.$rare),* });
+                    Ok(Self { $($field: whole.$field,)* rare: rare.into() })
+                }
+            }
+        };
+    };
+
     (@name $field:ident) => { stringify!($field) };
     (@name $field:ident $rename:literal) => { $rename };
 
     (@is_required required) => { true };
-    (@is_required optional) => { false };
+    (@is_required $optional:ident) => { false };
 
     (@is_solid) => { true };
     (@is_solid solid) => { false };
@@ -289,7 +409,7 @@ macro_rules! object {
     (@given required Flag []) => { bool };
     (@given required Name []) => { $crate::scene::format::field::Name };
     (@given required $kind:ident []) => { f64 };
-    (@given optional $kind:ident $type:tt) => {
+    (@given $optional:ident $kind:ident $type:tt) => {
         Option<$crate::scene::format::object::object!(@given required $kind $type)>
     };
 }

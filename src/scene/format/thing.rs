@@ -187,16 +187,26 @@ pub(crate) struct Object {
 /// Fields that are given in place of each other.
 #[derive(Debug)]
 pub(crate) struct Set {
-    pub(crate) fields: &'static [&'static str],
+    /// The fields; those in one list may be given together.
+    pub(crate) fields: &'static [&'static [&'static str]],
     pub(crate) needs: Needs,
 }
 
+/// The first field that is given of each list of a set.
+pub(crate) type GivenFields = Vec<Option<&'static str>>;
+
 impl Set {
-    /// Returns the field that stands in place of another one.
-    pub(crate) fn instead_of(&self, field: &str) -> Option<&'static str> {
-        let is_replaced = self.needs != Needs::Any && self.fields.contains(&field);
-        let mut others = self.fields.iter().filter(|other| **other != field);
-        others.next().copied().filter(|_| is_replaced)
+    /// Returns the field that is given in place of another one, unless that could be given beside it.
+    pub(crate) fn instead_of(&self, field: &str, given: &GivenFields) -> Option<&'static str> {
+        let own = self.fields.iter().position(|list| list.contains(&field));
+        let own = own.filter(|own| self.needs != Needs::Any && given.get(*own) == Some(&None))?;
+        let mut others = given.iter().enumerate().filter(|(at, _)| *at != own);
+        others.find_map(|(_, given)| *given)
+    }
+
+    /// Returns the first field.
+    pub(crate) fn first(&self) -> Option<&'static str> {
+        self.fields.first()?.first().copied()
     }
 }
 
@@ -283,8 +293,8 @@ pub(crate) trait Thing {
         self.inner().map_or(&[], |inner| inner.fields())
     }
 
-    /// Returns the fields that are given in place of each other; true for those that are given.
-    fn sets(&self) -> Vec<(&'static Set, Vec<bool>)> {
+    /// Returns the fields that are given in place of each other, and which of them are given.
+    fn sets(&self) -> Vec<(&'static Set, GivenFields)> {
         self.inner().map_or_else(Vec::new, |inner| inner.sets())
     }
 

@@ -76,10 +76,18 @@ pub(super) fn field(
         let help = format!("write it in the transform: `{key}{inside}`");
         return meant(&help, fix, None);
     }
+    if spelt == "texture" && has(&["transform"]) {
+        let help = match has(&["color"]) {
+            true => "solids of several parts show no texture; remove it",
+            false => "write it in the geometries themselves",
+        };
+        return meant(help, None, None);
+    }
     // A movie may be meant to repeat.
     let is_movie = has(&["frames"]);
     let absent = absent(spelt).filter(|_| !is_movie);
-    absent.and_then(|help| meant(&help, None, None))
+    let is_texture = has(&["texture"]) && TEXTURES.split(' ').any(|name| name == spelt);
+    absent.and_then(|help| meant(&help, None, is_texture.then_some("texture")))
 }
 
 /// Returns the fix that replaces a center and a size by two points.
@@ -133,6 +141,9 @@ fn numbers(document: Text<'_>, id: NodeId) -> Option<[f64; 3]> {
     }
 }
 
+/// Names of textures in other programs.
+const TEXTURES: &str = "texture textures pigment finish uv image_map checker";
+
 /// Names of what only other programs have, in lower case, with the nearest way here.
 const ABSENT: &[(&str, &str)] = &[
     (
@@ -141,8 +152,8 @@ const ABSENT: &[(&str, &str)] = &[
         "this shape is not supported; export it as a PLY, OBJ or STL file and use `Mesh(file: …)`",
     ),
     (
-        "texture textures pigment finish uv image_map checker",
-        "a texture is part of a material: `Matte(texture: Checker())`, or `Image(file: …)` in place of `Checker()`",
+        TEXTURES,
+        "a texture stands beside a color or in a material: `texture: Checker()`, or `Image(file: …)` in place of `Checker()`",
     ),
     (
         "normal_map bump bump_map",

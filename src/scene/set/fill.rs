@@ -14,7 +14,7 @@ use crate::{
         convert,
         format::{
             scene::Model,
-            thing::{Follow, Needs, Record, Set, Type, Variant},
+            thing::{Follow, GivenFields, Record, Set, Type, Variant},
         },
         path::PathPart,
         problem::syntax_fault,
@@ -68,12 +68,9 @@ impl Follow for Fill<'_> {
         if rest.is_empty() && self.value.removes && thing.remove(&part.step) {
             return Ok(());
         }
-        let is_replaced = |(set, given): &(&Set, Vec<bool>)| {
-            let at = set
-                .fields
-                .iter()
-                .position(|field| part.name() == Some(field));
-            set.needs != Needs::Any && at.is_some_and(|at| !given[at] && given.contains(&true))
+        let is_replaced = |(set, given): &(&Set, GivenFields)| {
+            let name = part.name();
+            name.is_some_and(|name| set.instead_of(name, given).is_some())
         };
         if !rest.is_empty() && thing.sets().iter().any(is_replaced) {
             return Err(vec![self.not_given(self.path.len())]);

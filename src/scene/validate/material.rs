@@ -56,28 +56,29 @@ impl Found {
     ) {
         let surface = geometry.surface();
         self.color_by(geometry, at, model);
-        match (surface.color, surface.material) {
-            (Some(_), None) => {}
-            (color, Some(material)) => {
-                if color.is_some() {
-                    self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins);
-                }
-                let path = || model.path_of(at).field("material");
-                let name = material.named().filter(|name| !names.contains(name));
-                if let Some(name) = name {
-                    self.unknown_name(name, model, path);
-                }
-                self.material(material, path);
-                let resolved = material.resolve(model.materials.as_ref());
-                if let Some(texture) = resolved.and_then(|material| material.texture()) {
-                    match is_part {
-                        true => self.no_effect(path(), OF_SOLID),
-                        false => self.shown_texture(geometry, texture, path()),
-                    }
-                }
+        // Most have a color alone.
+        if surface.color.is_some() && surface.texture.is_none() && surface.material.is_none() {
+            return;
+        }
+        if surface.is_plain() == surface.material.is_some() {
+            self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins);
+        }
+        if let Some(texture) = surface.texture {
+            self.texture(texture, || model.path_of(at).field("texture"));
+        }
+        if let Some(material) = surface.material {
+            let path = || model.path_of(at).field("material");
+            let name = material.named().filter(|name| !names.contains(name));
+            if let Some(name) = name {
+                self.unknown_name(name, model, path);
             }
-            (None, None) => {
-                self.one_of_color_and_material(geometry, (at, is_part), model, stand_ins)
+            self.material(material, path);
+        }
+        if let Some(texture) = surface.texture(model.materials.as_ref()) {
+            let path = surface.path_of_texture(model.path_of(at));
+            match is_part {
+                true => self.no_effect(path, OF_SOLID),
+                false => self.shown_texture(geometry, texture, path),
             }
         }
     }
@@ -89,18 +90,22 @@ impl Found {
         model: &Model,
         stand_ins: &[Ordinal],
     ) {
-        let is_given = geometry.surface().color.is_some();
+        let surface = geometry.surface();
         // The rows of a table and the vertices of a mesh in a file may have colors; `tables.rs` and
         // `meshes.rs` report those without.
         // The parts of a solid may have that of the whole, and the whole needs none if they all have
         // their own.
         let is_covered = geometry.operation().is_some() && is_covered(geometry, at, stand_ins);
         let needs_none = geometry.may_have_colors() || !geometry.has_surface() || is_covered;
-        if (!is_given && (needs_none || is_part)) || self.tally.only_counts(Code::OneOf) {
+        let needs_none = needs_none || is_part;
+        if (!surface.is_given() && needs_none) || self.tally.only_counts(Code::OneOf) {
             return;
         }
         let helps = [
-            "`color: c` is `material: Matte(color: c)`; leave one of them out",
+            match surface.texture {
+                Some(_) => "write the texture inside of the material, and its color as well",
+                None => "`color: c` is `material: Matte(color: c)`; leave one of them out",
+            },
             "add `color`, such as \"#ff8000\", or `material`",
         ];
         self.one_of(geometry, Code::OneOf, &model.path_of(at), helps);
@@ -112,8 +117,8 @@ impl Found {
         let described = material.described().ok();
         let sets = material.sets().into_iter();
         for (set, are_given) in sets.filter(|(set, _)| set.needs == Needs::Any) {
-            if let [color, ..] = set.fields
-                && !are_given.contains(&true)
+            if let Some(color) = set.first()
+                && are_given.iter().all(Option::is_none)
                 && !self.tally.only_counts(Code::MissingField)
             {
                 let message = format!("missing field `{color}`");
@@ -274,15 +279,13 @@ impl Found {
         let Some((Set { fields, .. }, are_given)) = set else {
             return true;
         };
-        let mut given = fields
-            .iter()
-            .zip(are_given)
-            .filter(|(_, is_given)| *is_given);
+        let mut given = are_given.into_iter().flatten();
         self.push(match (given.next(), given.next()) {
             (Some(_), None) => return true,
-            (Some((one, _)), Some((other, _))) => both(code, path, [one, other]).help(leave_out),
+            (Some(one), Some(other)) => both(code, path, [one, other]).help(leave_out),
             (None, _) => {
-                let none = match fields {
+                let firsts = fields.iter().filter_map(|list| list.first().copied());
+                let none = match &*firsts.collect::<Vec<_>>() {
                     [first, other] => format!("neither `{first}` nor `{other}`"),
                     all => format!("none of {}", list(all)),
                 };

@@ -84,6 +84,7 @@ impl GeometryKind for InstancesModel {
             radius: None,
             color: None,
             color_by: None,
+            texture: None,
             material: None,
         })
     }

@@ -14,6 +14,7 @@ use crate::{
                 placement::Placement,
             },
             material::{MaterialModel, Surface},
+            texture::TextureModel,
             transform::TransformModel,
         },
         problem::Problem,
@@ -121,25 +122,40 @@ pub(super) trait Coat {
     fn material_mut(&mut self) -> Option<&mut Arc<MaterialModel>> {
         None
     }
+
+    #[inline]
+    fn texture_mut(&mut self) -> Option<&mut Arc<TextureModel>> {
+        None
+    }
 }
 
 /// Declares a kind of geometry: an object with the fields that all geometries have, behind its own.
 macro_rules! geometry {
-    (@coat $model:ident $(at most)? one of color, material $($others:tt)*) => {
+    (@coat $model:ident $(at most)? one of color $(+ $texture:ident)?, material $($others:tt)*) => {
         const _: () = {
             use $crate::scene::format::{geometry::kind, material};
 
             impl kind::Coat for $model {
                 #[inline]
                 fn surface(&self) -> material::Surface<'_> {
-                    let (color, material) = (self.color.as_ref(), self.material.as_ref());
-                    material::Surface { color, material }
+                    material::Surface {
+                        color: self.color.as_ref(),
+                        texture: None$(.or(self.$texture.as_ref()))?,
+                        material: self.material.as_ref(),
+                    }
                 }
 
                 #[inline]
                 fn material_mut(&mut self) -> Option<&mut std::sync::Arc<material::MaterialModel>> {
                     self.material.as_mut()
                 }
+
+                $(#[inline]
+                fn texture_mut(&mut self) -> Option<&mut std::sync::Arc<$crate::scene::format::texture::TextureModel>> {
+                    // To ask a rare field for a change takes memory.
+                    self.$texture.as_ref()?;
+                    self.$texture.as_mut()
+                })?
             }
         };
     };
@@ -153,7 +169,7 @@ macro_rules! geometry {
             $(#[$($meta)*])* pub struct $model = $name {
                 $($fields)*
                 /// The change of place, direction and size, also of the lights of parts.
-                transform: Thing(Box<$crate::scene::format::transform::TransformModel>)?,
+                rare transform: Thing(Box<$crate::scene::format::transform::TransformModel>)?,
                 /// The name of the geometry: no other geometry of the scene has it.
                 name: Name?,
             } $($sets)*
@@ -169,11 +185,13 @@ macro_rules! colored {
         $crate::scene::format::geometry::kind::geometry! {
             $(#[$($meta)*])* pub struct $model = $name {
                 $($fields)*
-                /// The color: a matte surface. Give this or `material`.
+                /// The color: a matte surface; with a `texture`, white is the default. Give this or `material`.
                 color: Color?,
+                /// A texture, which the color is multiplied by. A `material` has its own.
+                rare texture: Thing(std::sync::Arc<$crate::scene::format::texture::TextureModel>)?,
                 /// The material. Give this or `color`.
                 material: Thing(std::sync::Arc<$crate::scene::format::material::MaterialModel>)?,
-            } one of color, material $($more)*
+            } one of color + texture, material $($more)*
         }
     };
 }
@@ -190,5 +208,6 @@ pub(crate) struct TableModel<'a> {
     pub(crate) radius: Option<f64>,
     pub(crate) color: Option<&'a ColorModel>,
     pub(crate) color_by: Option<&'a ColorByModel>,
+    pub(crate) texture: Option<&'a TextureModel>,
     pub(crate) material: Option<&'a MaterialModel>,
 }

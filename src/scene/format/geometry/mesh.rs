@@ -17,6 +17,7 @@ use crate::{
             },
             material::MaterialModel,
             numbers::Triple,
+            texture::TextureModel,
             thing::Type,
         },
         problem::{Focus, Problem},
@@ -46,17 +47,20 @@ geometry! {
         /// True to shade it like a curved surface, with normals between those of the corners; false is the
         /// default. Its outline and its shadows remain those of the triangles.
         smooth: Flag = false,
-        /// The color: a matte surface. Give at most one of this and `material`, and one of them where the
-        /// file has no colors of its vertices or faces, which are used without either.
+        /// The color: a matte surface; with a `texture`, white is the default. Give at most one of this and
+        /// `material`, and one of them where the file has no colors of its vertices or faces, which are used
+        /// without either.
         color: Color?,
         /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
         /// coordinate `x`, `y` or `z`. They are interpolated inside of each triangle. Give at most one of
         /// this and `color`.
         color_by: Thing(ColorByModel)?,
+        /// A texture, which the color is multiplied by. A `material` has its own.
+        texture: Thing(Arc<TextureModel>)?,
         /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
         /// color.
         material: Thing(Arc<MaterialModel>)?,
-    } at most one of color, material any of file, vertices not solid
+    } at most one of color + texture, material any of file, vertices not solid
 }
 
 /// The path of a mesh file, and its mesh.
@@ -175,7 +179,8 @@ impl MeshModel {
     /// Returns true if its vertices are asked for its colors.
     pub(crate) const fn may_have_colors(&self) -> bool {
         let has_some = self.file.is_some() || self.color_by.is_some();
-        has_some && self.color.is_none() && self.material.is_none()
+        let is_given = self.color.is_some() || self.texture.is_some() || self.material.is_some();
+        has_some && !is_given
     }
 
     /// The vertices in the scene.

@@ -38,7 +38,7 @@ pub use self::{
     plane::PlaneModel,
     rectangle::RectangleModel,
     solid::{DifferenceModel, IntersectionModel, UnionModel},
-    sphere::SphereModel,
+    sphere::{SphereModel, SphereRest},
     table::{CylindersModel, SpheresModel},
     torus::TorusModel,
     triangle::TriangleModel,
@@ -58,6 +58,7 @@ use crate::{
                 kind::{Coat, CopiesModel, GeometryKind, SeveralWords, TableModel},
             },
             material::{MaterialModel, Materials, Surface},
+            texture::TextureModel,
             thing::Thing,
             transform::TransformModel,
             variants::variants,
@@ -130,7 +131,7 @@ impl GeometryModel {
         of_each!(self, geometry => geometry.name.take())
     }
 
-    /// Returns its color and its material.
+    /// Returns its color, its texture and its material.
     #[inline]
     pub(crate) fn surface(&self) -> Surface<'_> {
         of_each!(self, geometry => geometry.surface())
@@ -141,13 +142,21 @@ impl GeometryModel {
         of_each!(self, geometry => geometry.material_mut())
     }
 
-    /// Shares the material of another geometry if the two are equal: a million geometries hold one.
+    /// Returns the texture beside its color, for a change.
+    pub(crate) fn texture_mut(&mut self) -> Option<&mut Arc<TextureModel>> {
+        of_each!(self, geometry => geometry.texture_mut())
+    }
+
+    /// Shares the material or the texture of another geometry if the two are equal: a million geometries
+    /// hold one.
     #[inline]
     pub(crate) fn share_material(&mut self, other: &Self) {
-        if let Some((own, other)) = self.material_mut().zip(other.surface().material)
-            && own == other
-        {
-            own.clone_from(other);
+        let surface = other.surface();
+        if let Some(material) = surface.material {
+            share(self.material_mut(), material);
+        }
+        if let Some(texture) = surface.texture {
+            share(self.texture_mut(), texture);
         }
     }
 
@@ -341,6 +350,16 @@ impl GeometryModel {
         let mesh = || self.mesh_file().map(|mesh| &*mesh.path);
         let part = || self.part().map(|part| &*part.file);
         table.or_else(mesh).or_else(part)
+    }
+}
+
+/// Shares a value if the two are equal.
+#[inline]
+fn share<T: PartialEq>(own: Option<&mut Arc<T>>, other: &Arc<T>) {
+    if let Some(own) = own
+        && own == other
+    {
+        own.clone_from(other);
     }
 }
 

@@ -17,7 +17,7 @@ colored! {
         center | position | location | c: Point,
         /// The radius, above 0.
         radius | r: Positive,
-    }
+    } rare in SphereRest
 }
 
 impl GeometryKind for SphereModel {

@@ -9,6 +9,7 @@ use crate::{
         color_by::ColorByModel,
         geometry::kind::{GeometryKind, SeveralWords, TableModel, geometry},
         material::MaterialModel,
+        texture::TextureModel,
         thing::Type,
     },
 };
@@ -28,6 +29,7 @@ macro_rules! table {
                     radius: self.radius,
                     color: self.color.as_ref(),
                     color_by: self.color_by.as_ref(),
+                    texture: self.texture.as_deref(),
                     material: self.material.as_deref(),
                 })
             }
@@ -66,10 +68,13 @@ geometry! {
         /// Colors by the values of a column, instead of those of the rows. Give at most one of this and
         /// `color`.
         color_by: Thing(ColorByModel)?,
+        /// A texture of all rows, which their colors are multiplied by; white is the default of `color` with
+        /// it. A `material` has its own.
+        texture: Thing(Arc<TextureModel>)?,
         /// The material of all rows; the color of a row replaces its first color. Give at most one of this
         /// and `color`.
         material: Thing(Arc<MaterialModel>)?,
-    } at most one of color, material not solid
+    } at most one of color + texture, material not solid
 }
 
 geometry! {
@@ -93,8 +98,11 @@ geometry! {
         /// Colors by the values of a column, instead of those of the rows. Give at most one of this and
         /// `color`.
         color_by: Thing(ColorByModel)?,
+        /// A texture of all rows, which their colors are multiplied by; white is the default of `color` with
+        /// it. A `material` has its own.
+        texture: Thing(Arc<TextureModel>)?,
         /// The material of all rows; the color of a row replaces its first color. Give at most one of this
         /// and `color`.
         material: Thing(Arc<MaterialModel>)?,
-    } at most one of color, material not solid
+    } at most one of color + texture, material not solid
 }

@@ -23,8 +23,9 @@ use std::{collections::HashMap, sync::Arc};
 use serde::de::MapAccess;
 
 use crate::{
+    diagnostic::path::Path,
     scene::format::{
-        color::ColorModel,
+        color::{ColorModel, or_white},
         map::{Entry, Map},
         material::kind::MaterialKind,
         texture::TextureModel,
@@ -103,17 +104,47 @@ impl<'de> Entry<'de> for MaterialModel {
     }
 }
 
-/// The surface of a geometry: a color, which is a matte one, or a material.
+/// The surface of a geometry: a color, a texture or both, which is a matte one, or a material.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Surface<'m> {
     pub(crate) color: Option<&'m ColorModel>,
+    pub(crate) texture: Option<&'m Arc<TextureModel>>,
     pub(crate) material: Option<&'m Arc<MaterialModel>>,
 }
 
-impl Surface<'_> {
-    /// Returns true if it has a color or a material.
+impl<'m> Surface<'m> {
+    /// Returns true if it has a color, a texture or a material.
     pub(crate) const fn is_given(&self) -> bool {
-        self.color.is_some() || self.material.is_some()
+        self.is_plain() || self.material.is_some()
+    }
+
+    /// Returns true if it has a color or a texture beside it.
+    pub(crate) const fn is_plain(&self) -> bool {
+        self.color.is_some() || self.texture.is_some()
+    }
+
+    /// Returns its texture, beside the color or that of a material without a name.
+    #[inline]
+    pub(crate) fn own_texture(&self) -> Option<&'m TextureModel> {
+        let described = || self.material?.described().ok()?.texture();
+        self.texture.map(|texture| &**texture).or_else(described)
+    }
+
+    /// Returns its texture, also that of a named material.
+    pub(crate) fn texture(
+        &self,
+        materials: Option<&'m MaterialsModel>,
+    ) -> Option<&'m TextureModel> {
+        let resolved = || self.material?.resolve(materials)?.texture();
+        self.texture.map(|texture| &**texture).or_else(resolved)
+    }
+
+    /// Returns the path of what the texture belongs to: the field of the geometry at `path`.
+    pub(crate) fn path_of_texture(&self, path: Path) -> Path {
+        path.field(match self.texture {
+            Some(_) => "texture",
+            None => "material",
+        })
     }
 }
 
@@ -139,6 +170,7 @@ impl Materials {
         match (surface.color, surface.material) {
             (Some(color), _) => Ok(Material::Matte(color.build())),
             (None, Some(material)) => self.of_model(material),
+            (None, None) if surface.texture.is_some() => Ok(Material::Matte(or_white(None))),
             (None, None) => Ok(Material::Matte(ColorModel::BLACK.build())),
         }
     }
@@ -146,10 +178,11 @@ impl Materials {
     /// Builds the texture of a surface, if it has one.
     #[inline]
     pub(crate) fn texture(&self, surface: Surface) -> Result<Option<MappedTexture>, GeometryError> {
-        match surface.material.map(|material| material.described()) {
-            None => Ok(None),
-            Some(Ok(material)) => texture_of(material),
-            Some(Err(name)) => Ok(self.0.get(name).and_then(|(_, texture)| texture.clone())),
+        let name = surface.material.and_then(|material| material.named());
+        match (surface.own_texture(), name) {
+            (Some(texture), _) => texture.build(),
+            (None, Some(name)) => Ok(self.0.get(name).and_then(|(_, texture)| texture.clone())),
+            (None, None) => Ok(None),
         }
     }
 
