@@ -239,7 +239,7 @@ fn faults_of_a_part_are_reported_in_its_file() {
         "main.ron:7:20: error[invalid-part]: `tree.ron` has 2 errors (geometry `tree`)",
         "tree.ron:4:44: error[out-of-range]: `radius` must be above 0, found `-1` (geometry `trunk`)",
         "tree.ron:4:48: error[unknown-field]: unknown field `radiu`, expected one of `center`, \
-         `radius`, `color`, `material`, `transform`, `name` (geometry `trunk`)",
+         `radius`, `color`, `texture`, `material`, `transform`, `name` (geometry `trunk`)",
     ];
     let (status, lines) = validate(&folder, "main.ron");
     assert_eq!(
