@@ -109,24 +109,19 @@ pub fn explain(world: &World, ray: &Ray, tone: Tone) -> Option<TracedRay> {
         world,
         open: RefCell::default(),
     };
-    let listener = Listener::new(world, |step| recorder.note(step));
+    let tell = |step: Step| recorder.note(step);
+    let listener = Listener { world, tell: &tell };
     Integrator::new(world, &listener, tone, false).trace(ray);
     recorder.open.into_inner().pop()
 }
 
 /// A world that tells each step to a function.
-pub(super) struct Listener<'a, T> {
-    world: &'a World,
-    tell: T,
+pub(super) struct Listener<'a> {
+    pub(super) world: &'a World,
+    pub(super) tell: &'a dyn Fn(Step),
 }
 
-impl<'a, T: Fn(Step)> Listener<'a, T> {
-    pub(super) const fn new(world: &'a World, tell: T) -> Self {
-        Self { world, tell }
-    }
-}
-
-impl<T: Fn(Step)> Queries for Listener<'_, T> {
+impl Queries for Listener<'_> {
     fn nearest(
         &self,
         ray: &Ray,

@@ -70,7 +70,8 @@ pub(crate) fn explain_paths(
         return;
     };
     let segments = RefCell::default();
-    let listener = Listener::new(world, |step| note(world, &segments, step));
+    let tell = |step: Step| note(world, &segments, step);
+    let listener = Listener { world, tell: &tell };
     let paths = PathTracer::new(world, lighting, options, &listener, false);
     for sample in samples {
         if cancel.is_cancelled() {

@@ -1,3 +1,5 @@
+mod densities;
+
 use std::sync::Arc;
 
 use glam::DVec3;
