@@ -193,7 +193,8 @@ fn strays(files: &[PathBuf]) -> Result<(), Failed> {
 fn threads(path: &Path) -> Result<(), Failed> {
     let scene = Scene::from_path(path)?;
     let mut few = RenderOptions::new().samples(Samples::new(4)?);
-    if env::var_os("STRAHL_FULL").is_none() {
+    let is_by_paths = fs::read_to_string(path)?.contains("lighting: Path(");
+    if is_by_paths || env::var_os("STRAHL_FULL").is_none() {
         let size = scene.size();
         few = few.size(Size::new(size.width() / 4, size.height() / 4)?);
     }
