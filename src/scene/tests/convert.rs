@@ -429,10 +429,14 @@ impl Rng {
                 radius: rng.number(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
-                rare: Rare::from(SphereRest {
-                    texture: rng.maybe(|rng| rng.texture().into()),
-                    transform: rng.maybe(|rng| rng.transform().into()),
-                }),
+                rare: match (
+                    rng.maybe(|rng| rng.texture().into()),
+                    rng.maybe(|rng| rng.transform().into()),
+                ) {
+                    // Without a box, as it is read.
+                    (None, None) => Rare::default(),
+                    (texture, transform) => SphereRest { texture, transform }.into(),
+                },
                 name: rng.maybe(Self::name),
             }),
             2 => GeometryModel::Disc(Box::new(DiscModel {
