@@ -14,29 +14,39 @@ def v(*a):
     return "(" + ", ".join(f"{round(x, 4):g}" for x in a) + ")"
 
 
-def gem(color, ior, table, crown, girdle, pavilion, n, at, rot, size, depth):
-    """Planes around a gem with its girdle at y = 0, radius 1."""
-    planes=["Sphere(center: (0, 0, 0), radius: 1.1)", f"Plane(point: {v(0,table,0)}, normal: (0, 1, 0))"]
-    # A flat point below.
-    for i in range(n):
-        a=2*math.pi*(i+0.5)/n; c,s=math.cos(a),math.sin(a)
-        # crown: through (1, 0) with slope
-        planes.append(f"Plane(point: {v(c,girdle,s)}, normal: {v(math.sin(crown)*c, math.cos(crown), math.sin(crown)*s)})")
-    for i in range(n):
-        a=2*math.pi*(i+0.5)/n; c,s=math.cos(a),math.sin(a)
-        planes.append(f"Plane(point: {v(c,-girdle,s)}, normal: {v(math.sin(pavilion)*c, -math.cos(pavilion), math.sin(pavilion)*s)})")
-    for i in range(n):
-        a=2*math.pi*(i)/n; c,s=math.cos(a),math.sin(a)
-        planes.append(f"Plane(point: {v(0.99*c,0,0.99*s)}, normal: {v(c,0,s)})")
-    lines=",\n                ".join(planes)
+CROWN = math.radians(34.5)
+PAVILION = math.radians(40.75)
+
+
+def around(count, offset):
+    """The cosines and sines of directions around the axis of a gem."""
+    turns = [2 * math.pi * (i + offset) / count for i in range(count)]
+    return [(math.cos(turn), math.sin(turn)) for turn in turns]
+
+
+def gem(color, ior, facets, at, axis, angle, size):
+    """A gem of planes, whose girdle has the radius `size`. The ball comes first: rays that miss it miss the gem."""
+    slope, steep = math.sin(CROWN), math.sin(PAVILION)
+    parts = ["Sphere(center: (0, 0, 0), radius: 1.1)", f"Plane(point: {v(0, 0.34, 0)}, normal: (0, 1, 0))"]
+    parts += [
+        f"Plane(point: {v(c, 0.03, s)}, normal: {v(slope * c, math.cos(CROWN), slope * s)})"
+        for c, s in around(facets, 0.5)
+    ]
+    parts += [
+        f"Plane(point: {v(c, -0.03, s)}, normal: {v(steep * c, -math.cos(PAVILION), steep * s)})"
+        for c, s in around(facets, 0.5)
+    ]
+    parts += [f"Plane(point: {v(0.99 * c, 0, 0.99 * s)}, normal: {v(c, 0, s)})" for c, s in around(facets, 0)]
+    listed = ",\n                ".join(parts)
     return f"""        Intersection(
             material: Glass(ior: {ior}, color: "{color}"),
-            transform: (scale: {v(size,size,size)}, rotate: (axis: {v(*rot[0])}, angle: {rot[1]}), translate: {v(*at)}),
+            transform: (scale: {v(size, size, size)}, rotate: (axis: {v(*axis)}, angle: {angle}), translate: {v(*at)}),
             of: [
-                {lines},
+                {listed},
             ],
         ),"""
-crown=math.radians(34.5); pav=math.radians(40.75)
+
+
 print("""// A jeweller's table: rough gold, gems, pearls and a frosted ball on a checkered cloth, through a thin lens.
 (
     image: (width: 640, height: 360),
@@ -83,16 +93,14 @@ print("""// A jeweller's table: rough gold, gems, pearls and a frosted ball on a
         // The ring, with a stone.
         Torus(center: (-0.02, 0.43, -0.05), axis: (0.35, 0.12, 1), radius: 0.37, tube_radius: 0.06, material: Named("gold")),
         Cone(from: (-0.03, 0.8, -0.055), to: (-0.032, 0.95, -0.07), radius: 0.05, top_radius: 0.13, material: Named("gold")),""")
-print(gem("#ffffff",2.2,0.34,crown,0.03,pav,8,(-0.034,0.985,-0.075),((1,0.2,0),8),0.2,0))
-print(gem("#39c083",1.6,0.34,crown,0.03,pav,8,(0.92,0.195,0.45),((1,0,-0.6),150),0.27,0))
-print(gem("#d8343e",1.77,0.34,crown,0.03,pav,6,(-0.88,0.175,0.62),((0.9,0,0.35),148),0.22,0))
+print(gem("#ffffff", 2.2, 8, (-0.034, 0.985, -0.075), (1, 0.2, 0), 8, 0.2))
+print(gem("#39c083", 1.6, 8, (0.92, 0.195, 0.45), (1, 0, -0.6), 150, 0.27))
+print(gem("#d8343e", 1.77, 6, (-0.88, 0.175, 0.62), (0.9, 0, 0.35), 148, 0.22))
 print("""        Sphere(center: (0.62, 0.3, -0.65), radius: 0.3, material: Named("silver")),
         Sphere(center: (-1.0, 0.34, -0.6), radius: 0.34, material: Glass(ior: 1.5, roughness: 0.35)),""")
 for i in range(9):
-    a=0.35+i*0.27
-    x,z=0.35+0.95*math.cos(a),0.62+0.42*math.sin(a)-0.1
-    x,z=-0.55+i*0.155, 0.78+0.16*math.sin(i*0.9)
-    r=0.07+0.012*((i%3)==1)
-    print(f"        Sphere(center: {v(x,r,z)}, radius: {r:g}, material: Named(\"pearl\")),")
+    radius = 0.07 + 0.012 * (i % 3 == 1)
+    center = v(-0.55 + i * 0.155, radius, 0.78 + 0.16 * math.sin(i * 0.9))
+    print(f'        Sphere(center: {center}, radius: {radius:g}, material: Named("pearl")),')
 print("""    ],
 )""")

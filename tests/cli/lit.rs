@@ -177,6 +177,31 @@ fn a_new_lit_scene_is_drawn_without_a_warning() {
 }
 
 #[test]
+fn info_tells_paths_and_the_sizes_of_lights() {
+    let folder = folder(
+        "lighting: Path(samples: 4), lights: [Point(position: (0, 9, 0), radius: 0.5, intensity: 90), \
+         Directional(direction: (0, -1, 0), angle: 2), Directional(direction: (0, -1, 0))],",
+    );
+    let info = run(&mut folder.strahl(["info", "lit.ron"])).quiet_success();
+    let info = String::from_utf8(info).unwrap();
+    let lines: Vec<_> = info
+        .lines()
+        .skip_while(|line| !line.starts_with("lights"))
+        .take(4)
+        .collect();
+    let color = "color (1.0, 1.0, 1.0), intensity";
+    assert_eq!(
+        lines,
+        [
+            "lights         3, depth 32, by paths".to_owned(),
+            format!("  lights[0]: point, {color} 90.0, radius 0.5, shadows"),
+            format!("  lights[1]: directional, {color} 1.0, angle 2.0, shadows"),
+            format!("  lights[2]: directional, {color} 1.0, shadows"),
+        ]
+    );
+}
+
+#[test]
 fn info_lists_lights_and_materials() {
     let folder =
         folder("lights: [Ambient(), Point(position: (0, 9, 0), intensity: 40, name: \"lamp\")],");
@@ -190,7 +215,10 @@ fn info_lists_lights_and_materials() {
         {"kind": "point", "name": "lamp", "color": white, "intensity": 40.0, "shadows": true},
     ]);
     let info = json("lit.ron");
-    assert_eq!(info["lighting"], json!({"max_depth": 8, "lights": lights}));
+    assert_eq!(
+        info["lighting"],
+        json!({"transport": "direct", "max_depth": 8, "lights": lights})
+    );
     assert_eq!(info["materials"], json!({"matte": 2}));
     let info = json("flat.ron");
     assert_eq!(

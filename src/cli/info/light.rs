@@ -6,13 +6,18 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Scene, material::Material};
+use strahl::{
+    Scene,
+    light::{Light, Transport},
+    material::Material,
+};
 
 use crate::cli::camera::vector;
 
 /// The lights of a lit scene.
 #[derive(Serialize)]
 pub(super) struct LightingTerms {
+    transport: &'static str,
     max_depth: u32,
     lights: Vec<LightTerms>,
 }
@@ -23,6 +28,10 @@ struct LightTerms {
     name: Option<String>,
     color: [f64; 3],
     intensity: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    angle: Option<f64>,
     shadows: bool,
 }
 
@@ -33,15 +42,28 @@ impl LightingTerms {
         let lights = lighting.lights.iter().zip(names).map(|(light, name)| {
             let (glow, shadows) = (light.glow(), light.shadows());
             let color = glow.color();
+            let [radius, angle] = match light {
+                Light::Point(point) => [Some(point.radius()), None],
+                Light::Spot(spot) => [Some(spot.radius()), None],
+                Light::Directional(directional) => [None, Some(directional.angle())],
+                _ => [None; 2],
+            };
+            let given = |size: Option<f64>| size.filter(|size| *size > 0.0);
             LightTerms {
                 kind: light.kind(),
                 name,
                 color: [color.r(), color.g(), color.b()],
                 intensity: glow.intensity(),
+                radius: given(radius),
+                angle: given(angle),
                 shadows,
             }
         });
         Some(Self {
+            transport: match lighting.transport {
+                Transport::Direct => "direct",
+                Transport::Path(_) => "path",
+            },
             max_depth: lighting.max_depth,
             lights: lights.collect(),
         })
@@ -69,8 +91,21 @@ impl Materials {
 
 impl fmt::Display for LightingTerms {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { max_depth, lights } = self;
-        writeln!(out, "lights         {}, depth {max_depth}", lights.len())?;
+        let Self {
+            transport,
+            max_depth,
+            lights,
+        } = self;
+        write!(out, "lights         {}, depth {max_depth}", lights.len())?;
+        writeln!(
+            out,
+            "{}",
+            if *transport == "path" {
+                ", by paths"
+            } else {
+                ""
+            }
+        )?;
         for (index, light) in lights.iter().enumerate() {
             write!(out, "  lights[{index}]")?;
             if let Some(name) = &light.name {
@@ -82,6 +117,12 @@ impl fmt::Display for LightingTerms {
                 ": {}, color {color}, intensity {:?}",
                 light.kind, light.intensity
             )?;
+            if let Some(radius) = light.radius {
+                write!(out, ", radius {radius:?}")?;
+            }
+            if let Some(angle) = light.angle {
+                write!(out, ", angle {angle:?}")?;
+            }
             writeln!(out, "{}", if light.shadows { ", shadows" } else { "" })?;
         }
         Ok(())

@@ -1,22 +1,23 @@
-//! Directions are chosen as often as their densities say: a test of chi-square for lights of a size, for
-//! surroundings and for each kind of surface, in cells of equal solid angle.
+//! Directions are chosen as often as their densities say: a test of chi-square for lamps, for lights of a size,
+//! for surroundings and for each kind of surface, in cells of equal solid angle.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{by_paths, half, sphere};
+use super::{by_paths, half};
 use crate::{
     integrator::path::emitters::Emitters,
     tracer::{
         color::Color,
         contact::Departure,
+        geometry::Geometry,
         light::{
             Directional, Environment, Falloff, Light, Point, Sky, picture::SkyPicture,
             transport::PathOptions,
         },
         material::{
-            Material, Phong, Principled,
+            Emissive, Material, Phong, Principled,
             bsdf::{Bsdf, Onto},
             microfacet::Microfacets,
             rough_glass::RoughGlass,
@@ -25,7 +26,10 @@ use crate::{
         random::Rng,
         ray::Ray,
         sampling::UnitPair,
-        shape::face::FaceId,
+        shape::{
+            Shape, cuboid::Cuboid, disc::Disc, face::FaceId, plane::Plane, rectangle::Rectangle,
+            sphere::Sphere, triangle::Triangle,
+        },
         texels::Texels,
         vector::unit,
         world::World,
@@ -140,17 +144,79 @@ fn assert_chosen(
 /// Where paths aim from.
 const FROM: DVec3 = DVec3::new(0.1, -0.2, 0.3);
 
-/// The emitters of a world, and the start of rays that leave the point.
-fn aiming(light: Light) -> (World, Emitters, Departure) {
-    // What they leave is far from all else.
-    let far = vec![sphere(DVec3::splat(90.0), 0.1, half())];
-    let world = by_paths(far, vec![light], (PathOptions::default(), 4));
-    let emitters = Emitters::new(&world);
+/// The emitters of a world, and the start of rays that leave a plane at the point.
+fn aiming(mut geometries: Vec<Geometry>, lights: Vec<Light>) -> (World, Emitters, Departure) {
     let own = FaceId {
-        geometry: 0,
+        geometry: geometries.len(),
         face: 0,
     };
-    (world, emitters, Departure::at_hit(own, None, DVec3::Z))
+    let plane = Plane::new(FROM, DVec3::Y).unwrap();
+    geometries.push(Geometry::new(plane, half()));
+    let world = by_paths(geometries, lights, (PathOptions::default(), 4));
+    let emitters = Emitters::new(&world);
+    (world, emitters, Departure::at_hit(own, None, DVec3::Y))
+}
+
+// Not those with round sides: where these end, their densities grow without bound.
+#[test]
+fn lamps_are_aimed_at_by_their_densities() {
+    let v = DVec3::new;
+    let shapes: [(&str, Shape); 6] = [
+        ("sphere", Sphere::new(v(1.0, 0.5, 1.0), 1.1).unwrap().into()),
+        (
+            "disc",
+            Disc::new(v(0.0, 0.3, 1.2), v(0.3, 0.1, 1.0), 1.3)
+                .unwrap()
+                .into(),
+        ),
+        (
+            "rectangle",
+            Rectangle::new(v(-1.0, -1.0, 1.0), v(2.0, 0.2, 0.3), v(0.1, 2.0, 0.0))
+                .unwrap()
+                .into(),
+        ),
+        (
+            "triangle",
+            Triangle::new(v(-1.0, -1.0, 1.0), v(2.0, -1.0, 1.5), v(0.0, 2.0, 0.6))
+                .unwrap()
+                .into(),
+        ),
+        (
+            "box",
+            Cuboid::new(v(0.8, -0.7, -0.5), v(1.9, 0.6, 1.0))
+                .unwrap()
+                .into(),
+        ),
+        (
+            "small sphere",
+            Sphere::new(v(3.0, 2.0, -2.0), 0.7).unwrap().into(),
+        ),
+    ];
+    for (name, shape) in shapes {
+        let lamp = Emissive::new(Color::WHITE, 1.0).unwrap();
+        let (world, emitters, start) = aiming(vec![Geometry::new(shape, lamp)], vec![]);
+        let first = |l: DVec3| {
+            let (index, hit) = world.hit(&Ray::new(FROM, l))?;
+            let face = FaceId {
+                geometry: index,
+                face: hit.face,
+            };
+            let (number, density) = emitters.of_face(face, (hit.point, hit.normal), FROM)?;
+            Some(density * emitters.probability(FROM, number))
+        };
+        assert_chosen(
+            name,
+            |u, pair| {
+                let (number, _) = emitters.choose(FROM, u)?;
+                let aimed = emitters.aim(&world, number, (FROM, &start), pair)?;
+                // A face may lie behind another one of the lamp.
+                let (_, t_max) = aimed.shadow?;
+                let is_first = world.transmission(&Ray::new(FROM, aimed.l), t_max, &start);
+                (is_first != Radiance::BLACK).then_some(aimed.l)
+            },
+            |l| first(l).unwrap_or(0.0),
+        );
+    }
 }
 
 #[test]
@@ -167,7 +233,7 @@ fn lights_of_a_size_are_aimed_at_by_their_densities() {
         ("ball", Light::from(ball.unwrap().with_radius(0.9).unwrap())),
         ("sun", Light::from(sun.unwrap().with_angle(70.0).unwrap())),
     ] {
-        let (world, emitters, start) = aiming(light);
+        let (world, emitters, start) = aiming(vec![], vec![light]);
         assert_chosen(
             name,
             |_, pair| Some(emitters.aim(&world, 0, (FROM, &start), pair)?.l),
