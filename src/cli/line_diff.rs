@@ -56,6 +56,7 @@ impl<'a> LineDiff<'a> {
     }
 
     /// Returns the lines of both texts, from top to bottom.
+    #[cfg(feature = "preview")]
     pub(super) fn lines(&self) -> impl Iterator<Item = (Side, &'a str)> {
         self.part(0..self.old.len(), &self.changes)
     }
