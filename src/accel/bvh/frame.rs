@@ -55,7 +55,10 @@ use crate::{
         rounding,
     },
     simd::{F64x8, Mask, Simd},
-    tracer::{ray::Ray, shape::Shape},
+    tracer::{
+        ray::Ray,
+        shape::{Shape, contact::REACH},
+    },
 };
 
 /// The margin by which boxes are grown, as a fraction of the reach.
@@ -67,6 +70,10 @@ pub(super) const SMALLEST: f32 = 1e-9;
 /// The largest reach. Beyond it the slack would be as large as the world, and the plain loop is as
 /// good.
 const FARTHEST: f64 = 1e5;
+
+/// The largest number of a point, in the frame, from which the boxes of all shapes that it lies on are surely met: they
+/// are no farther than [`REACH`] of it, half of the slack of a ray that begins at the center.
+const FARTHEST_CONTACT: f64 = SLACK / REACH;
 
 /// The range of lengths of which products of four neither overflow nor lose digits at the lower
 /// end.
@@ -198,11 +205,10 @@ impl Frame {
         (0..3).all(|axis| low[axis] <= 1.0 && -1.0 <= high[axis])
     }
 
-    /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given how far
-    /// it is from the origin of the ray that arrived there, and the largest of its numbers: then it is uncertain
-    /// by as much as boxes are grown.
-    pub(crate) fn is_far(&self, [distance, number]: [f64; 2]) -> bool {
-        distance * self.scale > 256.0 || number * self.scale > 65536.0
+    /// Returns true if a ray that begins at a point may miss the boxes of shapes that it lies on, given the largest
+    /// of the point's numbers: then these may be as far from it as boxes are grown, or more.
+    pub(crate) fn is_far(&self, size: f64) -> bool {
+        size * self.scale > FARTHEST_CONTACT
     }
 
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs

@@ -45,6 +45,18 @@ pub(crate) struct Emitters {
     tree: Option<Arc<EmitterTree>>,
     /// The numbers of the emitters that faces are.
     faces: HashMap<FaceId, usize>,
+    /// The numbers of the lights that rays pass.
+    passed: Vec<usize>,
+    /// The number of the surroundings.
+    environment: Option<usize>,
+}
+
+/// The weights of all emitters at a point.
+pub(super) struct EmitterWeights<'a> {
+    emitters: &'a Emitters,
+    point: DVec3,
+    /// The weights of those that are listed, and that of the tree last, with their sums in this order.
+    all: SmallVec<[[f64; 2]; FEW]>,
 }
 
 /// Something that paths aim at.
@@ -105,6 +117,15 @@ impl Emitters {
             all: lights.collect(),
             ..Self::default()
         };
+        for (number, emitter) in emitters.all.iter().enumerate() {
+            match emitter {
+                Emitter::Light(light) if light.size() != LightSize::None && light.shadows() => {
+                    emitters.passed.push(number);
+                }
+                Emitter::Environment(..) => emitters.environment = Some(number),
+                Emitter::Light(_) | Emitter::Faces { .. } => {}
+            }
+        }
         for (index, geometry) in world.geometries().iter().enumerate() {
             emitters.add(world, index, geometry);
         }
@@ -145,9 +166,8 @@ impl Emitters {
         });
     }
 
-    /// Returns the weights at a point of all emitters that are listed, and that of the tree last, with their sums
-    /// in this order.
-    fn weights(&self, point: DVec3) -> SmallVec<[[f64; 2]; FEW]> {
+    /// Returns the weights of all emitters at a point.
+    pub(super) fn weights(&self, point: DVec3) -> EmitterWeights<'_> {
         let mut sum = 0.0;
         let listed = self
             .listed
@@ -158,23 +178,11 @@ impl Emitters {
             sum += weight;
             [weight, sum]
         };
-        listed.chain(tree).map(with_sum).collect()
-    }
-
-    /// Chooses an emitter for a point by a number: it and its probability, which is in proportion to the
-    /// irradiance that it may bring. `None` if none brings any.
-    pub(super) fn choose(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
-        let weights = self.weights(point);
-        let [_, sum] = *weights.last().filter(|[_, sum]| *sum > 0.0)?;
-        let at = u * sum;
-        let place = weights.partition_point(|[_, before]| *before <= at);
-        let [weight, until] = *weights.get(place)?;
-        if let Some(number) = self.listed.get(place) {
-            return Some((*number, weight / sum));
+        EmitterWeights {
+            emitters: self,
+            point,
+            all: listed.chain(tree).map(with_sum).collect(),
         }
-        let u = (at - (until - weight)) / weight;
-        let (number, probability) = self.tree.as_ref()?.choose(point, u, self.of_one(point))?;
-        Some((number, weight / sum * probability))
     }
 
     /// Returns the weight of one emitter at a point.
@@ -182,21 +190,17 @@ impl Emitters {
         move |number| self.all[number].weight(point)
     }
 
-    /// Returns the probability of an emitter.
-    pub(super) fn probability(&self, point: DVec3, number: usize) -> f64 {
-        let tree = self.tree.as_ref().filter(|tree| tree.has(number));
-        let place = match tree {
-            Some(_) => Some(self.listed.len()),
-            None => self.listed.binary_search(&number).ok(),
-        };
-        let weights = self.weights(point);
-        let of_list = match (place.and_then(|place| weights.get(place)), weights.last()) {
-            (Some([weight, _]), Some([_, sum])) if *sum > 0.0 => weight / sum,
-            _ => return 0.0,
-        };
-        match tree {
-            Some(tree) => of_list * tree.probability(point, number, self.of_one(point)),
-            None => of_list,
+    /// Returns the probability of an emitter at a point, given the sum of all weights there.
+    pub(super) fn probability(&self, (point, sum): (DVec3, f64), number: usize) -> f64 {
+        if sum <= 0.0 {
+            return 0.0;
+        }
+        match self.tree.as_ref().filter(|tree| tree.has(number)) {
+            Some(tree) => {
+                let of_tree = tree.weight(point) / sum;
+                of_tree * tree.probability(point, number, self.of_one(point))
+            }
+            None => self.all[number].weight(point) / sum,
         }
     }
 
@@ -289,19 +293,20 @@ impl Emitters {
         point: DVec3,
     ) -> impl Iterator<Item = (EmittedBy, f64)> {
         let first = 0..self.all.len().min(SHOWN);
+        let sum = self.weights(point).sum();
         first.filter_map(move |number| {
             let emitter = self.emitted_by(world, number)?;
-            Some((emitter, self.probability(point, number)))
+            Some((emitter, self.probability((point, sum), number)))
         })
     }
 
     /// Returns the surroundings and their number.
     pub(super) fn environment(&self) -> Option<(&Environment, usize)> {
-        let mut all = self.all.iter().enumerate();
-        all.find_map(|(number, emitter)| match emitter {
+        let number = self.environment?;
+        match &self.all[number] {
             Emitter::Environment(environment, _) => Some((environment, number)),
             Emitter::Light(_) | Emitter::Faces { .. } => None,
-        })
+        }
     }
 
     /// Calls `see` with each light of a size that a ray passes before a distance; paths aim at it from a
@@ -312,12 +317,11 @@ impl Emitters {
         (from, distance): (DVec3, f64),
         mut see: impl FnMut(Passing),
     ) {
-        for (number, emitter) in self.all.iter().enumerate() {
-            let Emitter::Light(light) = emitter else {
+        for number in self.passed.iter().copied() {
+            let Emitter::Light(light) = &self.all[number] else {
                 continue;
             };
-            let Some((size, radiance)) = light_of_size(light, from).filter(|_| light.shadows())
-            else {
+            let Some((size, radiance)) = light_of_size(light, from) else {
                 continue;
             };
             let l = unit(ray.direction());
@@ -341,6 +345,34 @@ impl Emitters {
                 });
             }
         }
+    }
+}
+
+impl EmitterWeights<'_> {
+    /// Their sum.
+    pub(super) fn sum(&self) -> f64 {
+        self.all.last().map_or(0.0, |[_, sum]| *sum)
+    }
+
+    /// Chooses an emitter by a number: it and its probability, which is in proportion to the irradiance that it
+    /// may bring. `None` if none brings any.
+    pub(super) fn choose(&self, u: f64) -> Option<(usize, f64)> {
+        let Self {
+            emitters,
+            point,
+            all,
+        } = self;
+        let sum = Some(self.sum()).filter(|sum| *sum > 0.0)?;
+        let at = u * sum;
+        let place = all.partition_point(|[_, before]| *before <= at);
+        let [weight, until] = *all.get(place)?;
+        if let Some(number) = emitters.listed.get(place) {
+            return Some((*number, weight / sum));
+        }
+        let (tree, of_one) = (emitters.tree.as_ref()?, emitters.of_one(*point));
+        let (number, probability) =
+            tree.choose(*point, (at - (until - weight)) / weight, of_one)?;
+        Some((number, weight / sum * probability))
     }
 }
 

@@ -68,13 +68,17 @@ impl<Q: Queries> PathTracer<'_, Q> {
         state: &PathState,
         emitter: impl FnOnce(DVec3) -> Option<(usize, f64)>,
     ) -> f64 {
-        let Some((from, q)) = state.last else {
+        let Some(last) = &state.last else {
             return 1.0;
         };
-        let Some((number, density)) = emitter(from) else {
+        let Some((number, density)) = emitter(last.point) else {
             return 1.0;
         };
-        let p = self.emitters.probability(from, number) * density;
+        let at = (last.point, last.weights);
+        let (p, q) = (
+            self.emitters.probability(at, number) * density,
+            last.density,
+        );
         let weight = q * q / (q * q + p * p);
         self.number("found_density", "p of the emitter found", p);
         self.number("found_weight", "w = q²/(q² + p²)", weight);
@@ -86,7 +90,8 @@ impl<Q: Queries> PathTracer<'_, Q> {
         if path.depth == 0 || self.is_unseen(state) {
             return;
         }
-        let from = state.last.map_or(path.ray.origin(), |(from, _)| from);
+        let last = state.last.as_ref();
+        let from = last.map_or(path.ray.origin(), |last| last.point);
         self.emitters
             .each_passed(&path.ray, (from, distance), |passing| {
                 let weight = self.weight(state, |_| Some((passing.number, passing.density)));
@@ -111,7 +116,9 @@ impl<Q: Queries> PathTracer<'_, Q> {
         }
         let point = surface.hit.point;
         self.number("choice", "u of the emitter", u);
-        let Some((number, probability)) = self.emitters.choose(point, u) else {
+        let weights = self.emitters.weights(point);
+        state.weights = weights.sum();
+        let Some((number, probability)) = weights.choose(u) else {
             return;
         };
         if Q::LISTENS {

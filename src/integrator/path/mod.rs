@@ -83,9 +83,10 @@ struct PathState {
     direct: Radiance,
     /// The part of the light along the ray that a diffuse lobe scatters.
     diffuse: Radiance,
-    /// The point at which the ray was scattered and the density of its direction; `None` if it is that of the
-    /// camera, a mirror or smooth glass.
-    last: Option<(DVec3, f64)>,
+    /// Where the ray was scattered; `None` if it is that of the camera, a mirror or smooth glass.
+    last: Option<Scattered>,
+    /// The sum of the weights of all emitters at the last point that aimed at one.
+    weights: f64,
     /// True once a surface has scattered light, other than a mirror or smooth glass.
     has_scattered: bool,
     /// True if mirrors and solid glass are all that it has met since.
@@ -97,6 +98,16 @@ struct PathState {
     /// The first face, and the first color of the first surface other than a mirror or smooth glass.
     first: Option<FaceId>,
     color: Option<Color>,
+}
+
+/// Where a ray was scattered.
+#[derive(Clone, Copy, Debug)]
+struct Scattered {
+    point: DVec3,
+    /// The density of its direction.
+    density: f64,
+    /// The sum of the weights of all emitters there.
+    weights: f64,
 }
 
 /// A sample of a pixel.
@@ -451,7 +462,11 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             state.direct = share;
         }
         state.diffuse = share;
-        state.last = Some((surface.hit.point, scattering.density));
+        state.last = Some(Scattered {
+            point: surface.hit.point,
+            density: scattering.density,
+            weights: state.weights,
+        });
         state.has_scattered = true;
         state.is_caustic = false;
         Some(Path {

@@ -8,13 +8,16 @@ use crate::tracer::{
     shape::{
         around::Around,
         axis::{Axis, outward},
-        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace, REACH},
+        contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
         face::{Faces, Leaving},
         span::{Convex, Round, Span},
         working::{Term, Working},
     },
     vector::{farthest_along, positive},
 };
+
+/// The part of the radius by which a point may lie on the side and on a ball beside the joint: 2⁻²⁰.
+const JOINT: f64 = 1.0 / (1 << 20) as f64;
 
 /// All points at the distance `r` from the line between a point `a` and a point `b`.
 ///
@@ -74,7 +77,7 @@ impl Capsule {
 
     pub(crate) fn each_face(&self, at: &ContactPoint, see: &mut dyn FnMut(&NearFace)) {
         // Where they are tangent, a point lies on both even a little before the joint.
-        let joint = REACH * self.radius;
+        let joint = JOINT * self.radius;
         let (w, length) = (self.axis.w, self.axis.length());
         let height = (at.point - self.from()).dot(w);
         let within = |[low, high]: [f64; 2]| {

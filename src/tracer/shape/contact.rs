@@ -10,7 +10,8 @@
 //! more. P lies on it if `|f(p)| ≤ r·|L⁻ᵀG| + Σ|Gᵢ|·(ε·(|pᵢ| + sizeᵢ) + eᵢ)`, with the numbers of the
 //! equation in `size`, and if p lies in its extent, widened by the same errors.
 //!
-//! What is farther than `2⁻²⁰` of the larger of P and o from the box of a shape is not asked.
+//! What is farther than `2⁻²⁷` of the larger of P and o from the box of a shape is not asked: that is more than `r`, but
+//! beside tiny flat shapes `f/|L⁻ᵀG|` is no distance.
 
 use glam::DVec3;
 
@@ -27,8 +28,8 @@ const EPSILON: f64 = 16.0 * f64::EPSILON;
 /// The largest part of its coordinates by which a point counts as away from the face that was hit: 2⁻³⁰.
 const FARTHEST: f64 = 1.0 / (1 << 30) as f64;
 
-/// The part of the coordinates of a point by which a box around it reaches all faces that it lies on: 2⁻²⁰.
-pub(crate) const REACH: f64 = 1.0 / (1 << 20) as f64;
+/// The part of the coordinates of a point by which a box around it reaches all faces that it lies on: 2⁻²⁷.
+pub(crate) const REACH: f64 = 1.0 / (1 << 27) as f64;
 
 /// The largest number of edges around a face.
 const EDGES: usize = 4;
@@ -172,11 +173,9 @@ impl ContactPoint {
         before.with_reach(4.0 * ((EPSILON + FARTHEST) * self.scale * stretch + errors))
     }
 
-    /// How far it is from the origin of the ray, along the axis on which that is most, and the largest of its
-    /// numbers, `s`.
-    pub(crate) fn size(&self) -> [f64; 2] {
-        let away = (self.point - self.origin).abs();
-        [away.max_element(), self.scale]
+    /// The largest of its numbers, `s`.
+    pub(crate) const fn size(&self) -> f64 {
+        self.scale
     }
 
     /// Returns by how much the equation of a ball that is at most so large may be off 0 at a point on it, or

@@ -119,6 +119,9 @@ macro_rules! shapes {
                 leaving: Leaving,
                 t_max: f64,
             ) -> Option<Crossing> {
+                if let Self::Rectangle(rectangle) = self {
+                    return rectangle.first(ray, leaving, t_max);
+                }
                 match self {
                     $(Self::$shape(shape) => shape.crossings(ray, leaving).first(t_max)),*
                 }

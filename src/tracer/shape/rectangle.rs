@@ -10,7 +10,7 @@ use crate::tracer::{
     shape::{
         around::{Around, farthest},
         contact::{ContactPoint, FaceEdge, FaceEquation, NearFace},
-        face::Leaving,
+        face::{Crossing, Leaving, in_front},
         plane::{Planar, Plane},
         triangle::Sheared,
         working::{Term, Working},
@@ -136,6 +136,26 @@ impl Rectangle {
     pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
         farthest(&self.corners, point)
     }
+
+    /// Returns its crossing with `0 < t < t_max`. Nearly all rays that do not meet it are known by the `t` of its
+    /// plane.
+    #[inline]
+    pub(super) fn first(&self, ray: &Ray, leaving: Leaving, t_max: f64) -> Option<Crossing> {
+        let t = leaving.is_empty().then(|| self.unit_plane.t(ray))??;
+        (in_front(t, t_max).is_some() && self.is_hit(ray, t)).then(|| t.into())
+    }
+
+    /// Returns true if the ray's line, which meets the plane at `t`, hits the rectangle.
+    #[inline]
+    fn is_hit(&self, ray: &Ray, t: f64) -> bool {
+        // Nearly all rays that miss it miss the box around it, too, which is sooner known.
+        if !self.around.holds(ray, t) {
+            return false;
+        }
+        let sheared = Sheared::new(ray);
+        let mut halves = self.halves().into_iter();
+        halves.any(|half| sheared.edges(half.each_ref()).is_hit())
+    }
 }
 
 impl Planar for Rectangle {
@@ -148,15 +168,6 @@ impl Planar for Rectangle {
     /// Returns the `t` at which the ray's line hits the rectangle.
     #[inline]
     fn t(&self, ray: &Ray) -> Option<f64> {
-        // Nearly all rays that miss it miss the box around it, too, which is sooner known.
-        let t = self.unit_plane.t(ray)?;
-        if !self.around.holds(ray, t) {
-            return None;
-        }
-        let sheared = Sheared::new(ray);
-        let mut halves = self.halves().into_iter();
-        halves
-            .any(|half| sheared.edges(half.each_ref()).is_hit())
-            .then_some(t)
+        self.unit_plane.t(ray).filter(|t| self.is_hit(ray, *t))
     }
 }

@@ -46,6 +46,14 @@ impl Span {
         }
     }
 
+    /// Returns the span in a solid in which the numbers of its faces begin with one.
+    #[inline]
+    pub(crate) const fn with_faces_from(mut self, first: u64) -> Self {
+        self.enter.face += first;
+        self.exit.face += first;
+        self
+    }
+
     /// Returns the part inside both solids; at an equal t, the face of this one. `None` if there is
     /// none or if a number is NaN.
     #[inline]

@@ -202,12 +202,12 @@ fn lamps_are_aimed_at_by_their_densities() {
                 face: hit.face,
             };
             let (number, density) = emitters.of_face(face, (hit.point, hit.normal), FROM)?;
-            Some(density * emitters.probability(FROM, number))
+            Some(density * emitters.probability((FROM, emitters.weights(FROM).sum()), number))
         };
         assert_chosen(
             name,
             |u, pair| {
-                let (number, _) = emitters.choose(FROM, u)?;
+                let (number, _) = emitters.weights(FROM).choose(u)?;
                 let aimed = emitters.aim(&world, number, (FROM, &start), pair)?;
                 // A face may lie behind another one of the lamp.
                 let (_, t_max) = aimed.shadow?;

@@ -12,6 +12,7 @@ use crate::tracer::{
 };
 
 /// The crossings of a ray's line with a solid.
+#[derive(Clone, Copy)]
 pub(crate) struct Crossings<'a> {
     pub(super) solid: &'a Solid,
     pub(super) ray: &'a Ray,
@@ -37,6 +38,30 @@ impl<'a> Crossings<'a> {
 
     /// Returns the crossings with `0 < t < t_max`, from near to far.
     pub(crate) fn in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
+        let is_convex = self.solid.is_convex;
+        let span = is_convex.then(|| self.inside_all()).flatten();
+        let ends = span.into_iter().flat_map(|span| [span.enter, span.exit]);
+        let ends = ends
+            .filter(move |at| in_front(at.t, t_max).is_some() && self.solid.holds(self.ray, at.t));
+        let others = (!is_convex).then(|| self.of_any_in_front(t_max));
+        ends.chain(others.into_iter().flatten())
+    }
+
+    /// Returns the span inside all parts, which are convex. Where several begin or end at one `t`, the face of the first
+    /// counts.
+    fn inside_all(&self) -> Option<Span> {
+        let mut inside = Span::WHOLE;
+        for part in 0..self.solid.parts.len() {
+            let mut own = None;
+            self.solid
+                .each_span(part, self.ray, self.leaving, |span| own = Some(span));
+            inside = inside.and(own?.with_faces_from(part as u64 * Solid::FACES_OF_PART))?;
+        }
+        (inside.enter.t < inside.exit.t).then_some(inside)
+    }
+
+    /// The same of any solid.
+    pub(super) fn of_any_in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
         let spans = self.spans(t_max);
         // Of an intersection of many parts, nearly all ends lie outside of the others.
         let [low, high] = self.solid.root.range(&spans);

@@ -46,6 +46,8 @@ use crate::tracer::{
 pub struct Solid {
     parts: Vec<SolidPart>,
     root: Node,
+    /// True for an intersection of convex parts.
+    is_convex: bool,
     /// The box and the ball around it, if it is bounded.
     around: Option<Around>,
     index: Indexed<dyn Index>,
@@ -140,6 +142,7 @@ impl Solid {
             smallest,
         }));
         Ok(Self {
+            is_convex: root.is_convex(&parts),
             parts,
             root,
             around: around.filter(|_| bounds.is_some()),

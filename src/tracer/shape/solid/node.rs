@@ -47,6 +47,18 @@ impl Node {
         }
     }
 
+    /// Returns true if it is the intersection of all its parts, and these are convex.
+    pub(super) fn is_convex(&self, parts: &[SolidPart]) -> bool {
+        match self {
+            Self::Part(part) => parts[*part].shape.is_convex(),
+            Self::Of(of) => {
+                let mut operands = of.operands.iter();
+                of.operation == Operation::Intersection
+                    && operands.all(|operand| operand.is_convex(parts))
+            }
+        }
+    }
+
     /// Returns the node for parts that are moved to later indices.
     pub(super) fn moved(&self, by: usize) -> Self {
         match self {

@@ -250,6 +250,58 @@ fn crossings_are_where_points_change_sides() {
     assert!(left > cases(CASES), "{left}");
 }
 
+// Half of the parts share a face with the one before, and half of the rays leave one or two faces.
+#[test]
+fn intersections_of_convex_parts_are_crossed_as_any_solid_is() {
+    let mut rng = Rng(0xc0);
+    let (mut crossed, mut left) = (0, 0);
+    for _ in 0..cases(CASES / 4) {
+        let mut operands = Vec::<Shape>::new();
+        for _ in 0..1 + rng.below(9) {
+            let (at, size) = (0.5 * rng.vector(), rng.one(&[0.5, 1.0, 1.0]));
+            operands.push(match (rng.below(7), operands.last()) {
+                (0 | 1, Some(last)) => last.clone(),
+                (0..=3, _) => Plane::new(at, rng.one(&[at, DVec3::X, DVec3::NEG_Y, at]))
+                    .unwrap()
+                    .into(),
+                (4, _) => Cuboid::new(at - size, at + size).unwrap().into(),
+                (5, _) => Sphere::new(at, size).unwrap().into(),
+                _ => Cylinder::new(at - DVec3::X, at + DVec3::X, size, true)
+                    .unwrap()
+                    .into(),
+            });
+        }
+        // Some of them in a solid of their own.
+        let inner = operands.split_off(rng.below(operands.len()));
+        operands.push(made(Operation::Intersection, &inner));
+        let solid = Solid::new(Operation::Intersection, operands).unwrap();
+        assert!(solid.is_convex);
+        let origin = rng.vector() * rng.one(&[0.3, 2.0, 20.0]);
+        let inward = 0.8 * rng.vector() - origin;
+        let direction = rng.one(&[inward, inward, DVec3::X, DVec3::NEG_Y]);
+        let mut rays = vec![(Ray::new(origin, direction), vec![])];
+        for face in all(&solid.clone().into(), &rays[0].0, Leaving::NOTHING) {
+            let parts = solid.parts().len() as u64;
+            let other = rng.below(Solid::FACES_OF_PART as usize * parts as usize) as u64;
+            let mut faces = vec![face.1, rng.one(&[other, face.1])];
+            faces.sort_unstable();
+            faces.dedup();
+            let next = Ray::new(rays[0].0.at(face.0), rng.vector());
+            rays.push((next, faces.into_iter().map(FaceId::of_shape).collect()));
+        }
+        for (ray, faces) in &rays {
+            let crossings = solid.crossings(ray, Leaving::of(faces, 0));
+            let found: Vec<_> = crossings.in_front(f64::INFINITY).collect();
+            let any: Vec<_> = crossings.of_any_in_front(f64::INFINITY).collect();
+            assert_eq!(found, any, "{solid:?} {ray:?} {faces:?}");
+            crossed += found.len();
+            left += usize::from(!faces.is_empty());
+        }
+    }
+    assert!(crossed > cases(CASES / 4) / 2, "{crossed}");
+    assert!(left > cases(CASES / 4) / 4, "{left}");
+}
+
 #[test]
 fn the_support_is_beyond_every_hit() {
     let mut rng = Rng(0x5099);
