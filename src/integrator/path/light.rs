@@ -111,14 +111,20 @@ impl<Q: Queries> PathTracer<'_, Q> {
         }
         let point = surface.hit.point;
         self.number("choice", "u of the emitter", u);
+        if Q::LISTENS {
+            let sum = self.emitters.sum_of_weights(point);
+            self.number("weights", "ΣW of all emitters", sum);
+        }
         let Some((number, probability)) = self.emitters.choose(point, u) else {
             return;
         };
         if Q::LISTENS {
-            let (emitter, world) = (self.emitters.emitted_by(self.world, number), self.world);
-            self.queries.tell(Step::Emitter(emitter, probability));
-            for (emitter, probability) in self.emitters.first_probabilities(world, point) {
-                self.queries.tell(Step::OtherEmitter(emitter, probability));
+            let chosen = (number, probability);
+            if let Some(chosen) = self.emitters.chance(self.world, point, chosen) {
+                self.queries.tell(Step::Emitter(chosen));
+            }
+            for first in self.emitters.first_chances(self.world, point) {
+                self.queries.tell(Step::OtherEmitter(first));
             }
         }
         let pair = sampler.at(path.depth, Purpose::Emitter);
