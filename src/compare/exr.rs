@@ -11,12 +11,17 @@ use crate::{
     },
     data::table::layout::Scalar,
     diagnostic::error::Error,
+    parallel::{Cancel, reader::UntilCancelled},
 };
 
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// Returns the layers, and true if there are colors as well.
-pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer>, bool), Error> {
+pub(super) fn layers(
+    file: &[u8],
+    options: &PictureOptions,
+    cancel: Option<&Cancel>,
+) -> Result<(Vec<Layer>, bool), Error> {
     let broken = |error| broken("exr", error);
     let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
     for header in &about.headers {
@@ -56,7 +61,7 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(Cursor::new(file))
+        .from_buffered(UntilCancelled::new(Cursor::new(file), cancel))
         .map_err(broken)?;
     let mut layers = Vec::new();
     for (part, layer) in image.layer_data.into_iter().enumerate() {
