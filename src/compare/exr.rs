@@ -23,7 +23,8 @@ pub(super) fn layers(
     cancel: Option<&Cancel>,
 ) -> Result<(Vec<Layer>, bool), Error> {
     let broken = |error| broken("exr", error);
-    let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
+    let reader = || UntilCancelled::new(Cursor::new(file), cancel);
+    let about = MetaData::read_from_buffered(reader(), false).map_err(broken)?;
     for header in &about.headers {
         // The decoder allocates memory for these before it reports them.
         for window in [
@@ -61,7 +62,7 @@ pub(super) fn layers(
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(UntilCancelled::new(Cursor::new(file), cancel))
+        .from_buffered(reader())
         .map_err(broken)?;
     let mut layers = Vec::new();
     for (part, layer) in image.layer_data.into_iter().enumerate() {

@@ -75,7 +75,7 @@ impl Picture {
             return Err(limit::broken("jpg", "the end is missing"));
         }
         if format == ImageFormat::Tiff
-            && let Some(gray) = gray_floats(file, options)?
+            && let Some(gray) = gray_floats(file, options, cancel)?
         {
             return Ok(gray);
         }
@@ -111,8 +111,13 @@ impl Picture {
 }
 
 /// Reads a TIFF file with one float per pixel, which `image` does not support.
-fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>, Error> {
-    let Ok(mut tiff) = tiff::decoder::Decoder::new(Cursor::new(file)) else {
+fn gray_floats(
+    file: &[u8],
+    options: &PictureOptions,
+    cancel: Option<&Cancel>,
+) -> Result<Option<Picture>, Error> {
+    let file = UntilCancelled::new(Cursor::new(file), cancel);
+    let Ok(mut tiff) = tiff::decoder::Decoder::new(file) else {
         return Ok(None);
     };
     let (Ok(ColorType::Gray(32)), Ok((width, height))) = (tiff.colortype(), tiff.dimensions())

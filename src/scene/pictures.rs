@@ -108,7 +108,7 @@ fn open(
     let (limits, cancel) = (PictureOptions::new(), options.canceller());
     let picture = Picture::until_cancelled(&bytes, &limits, cancel);
     let picture = picture.map_err(|error| invalid(error.cause()))?;
-    let ignored = other_than_srgb(&bytes);
+    let ignored = other_than_srgb(&bytes, cancel);
     drop(bytes);
     let size = picture.size();
     let light = picture.into_light(cancel);
