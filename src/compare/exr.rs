@@ -11,14 +11,20 @@ use crate::{
     },
     data::table::layout::Scalar,
     diagnostic::error::Error,
+    parallel::{Cancel, reader::UntilCancelled},
 };
 
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// Returns the layers, and true if there are colors as well.
-pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer>, bool), Error> {
+pub(super) fn layers(
+    file: &[u8],
+    options: &PictureOptions,
+    cancel: Option<&Cancel>,
+) -> Result<(Vec<Layer>, bool), Error> {
     let broken = |error| broken("exr", error);
-    let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
+    let reader = || UntilCancelled::new(Cursor::new(file), cancel);
+    let about = MetaData::read_from_buffered(reader(), false).map_err(broken)?;
     for header in &about.headers {
         // The decoder allocates memory for these before it reports them.
         for window in [
@@ -56,7 +62,7 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(Cursor::new(file))
+        .from_buffered(reader())
         .map_err(broken)?;
     let mut layers = Vec::new();
     for (part, layer) in image.layer_data.into_iter().enumerate() {

@@ -10,13 +10,18 @@ use crate::{
     },
     diagnostic::error::Error,
     image_file::check_memory,
+    parallel::Cancel,
 };
 
 pub(super) fn is_pfm(file: &[u8]) -> bool {
     matches!(file, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace())
 }
 
-pub(super) fn decode(file: &[u8], options: &PictureOptions) -> Result<Picture, Error> {
+pub(super) fn decode(
+    file: &[u8],
+    options: &PictureOptions,
+    cancel: Option<&Cancel>,
+) -> Result<Picture, Error> {
     let broken = |why: &str| broken("pfm", why);
     let mut rest = file;
     let mut word = || {
@@ -53,9 +58,12 @@ pub(super) fn decode(file: &[u8], options: &PictureOptions) -> Result<Picture, E
     let rows = rest
         .chunks_exact(width as usize * channels as usize * 4)
         .rev();
-    let samples = rows.flat_map(|row| row.chunks_exact(4).map(number));
-    let samples = Samples::Floats(samples.collect());
-    Picture::new(size, channels as usize, samples, false)
+    let mut samples = Vec::with_capacity(rest.len() / 4);
+    for row in rows {
+        cancel.map_or(Ok(()), Cancel::check)?;
+        samples.extend(row.chunks_exact(4).map(number));
+    }
+    Picture::new(size, channels as usize, Samples::Floats(samples), false)
 }
 
 /// Returns the next word of the header, which ends at a single whitespace character.
@@ -71,7 +79,7 @@ mod tests {
     use super::*;
 
     fn floats(file: &[u8]) -> (usize, Vec<f32>) {
-        let picture = decode(file, &PictureOptions::new()).unwrap();
+        let picture = decode(file, &PictureOptions::new(), None).unwrap();
         match picture.samples {
             Samples::Floats(floats) => (picture.channels, floats),
             _ => panic!("not floats"),
@@ -105,7 +113,7 @@ mod tests {
             (b"PF\n900000 9000\n-1\n", "--max-pixels"),
             (b"PF\n9000 900\n-1\n", "found 0"),
         ] {
-            let error = decode(file, &PictureOptions::new())
+            let error = decode(file, &PictureOptions::new(), None)
                 .unwrap_err()
                 .to_string();
             assert!(error.contains(what), "{error}");

@@ -6,7 +6,8 @@ use crate::{
     compare::layers::{self, Layer, LayerComparison},
     diagnostic::error::{Error, ErrorKind},
     film::size::Size,
-    image_file::check_memory,
+    image_file::{check_memory, too_large},
+    parallel::Cancel,
     tracer::srgb::to_linear,
 };
 
@@ -113,29 +114,32 @@ impl Picture {
         Ok(picture)
     }
 
-    /// Returns the linear light of its colors, from the top left; `None` if it has none. Gray is the same in all
-    /// channels, and alpha does not count.
-    pub(crate) fn into_light(self) -> Option<(Size, Vec<[f32; 3]>)> {
+    /// Returns the linear light of its colors, from the top left. Gray is the same in all channels, and alpha
+    /// does not count.
+    ///
+    /// # Errors
+    ///
+    /// It has no colors, the light does not fit into memory, or it is cancelled, which is asked for each row.
+    pub(crate) fn into_light(self, cancel: Option<&Cancel>) -> Result<Vec<[f32; 3]>, Error> {
         if !self.has_colors {
-            return None;
+            return Err(Error::new(ErrorKind::Unreadable, "the file has no colors"));
         }
         let table = |most: u16| -> Vec<f32> {
             let display = (0..=most).map(|value| f64::from(value) / f64::from(most));
             display.map(|value| to_linear(value) as f32).collect()
         };
-        let channels = self.channels;
-        let light = match &self.samples {
+        let form = (self.size, self.channels);
+        match &self.samples {
             Samples::Bytes(all) => {
                 let table = table(u8::MAX.into());
-                colors(all, channels, |byte| table[usize::from(byte)])
+                colors(all, form, cancel, |byte| table[usize::from(byte)])
             }
             Samples::Words(all) => {
                 let table = table(u16::MAX);
-                colors(all, channels, |word| table[usize::from(word)])
+                colors(all, form, cancel, |word| table[usize::from(word)])
             }
-            Samples::Floats(all) => colors(all, channels, identity),
-        };
-        Some((self.size, light))
+            Samples::Floats(all) => colors(all, form, cancel, identity),
+        }
     }
 
     fn with_layers(mut self, layers: Vec<Layer>) -> Self {
@@ -164,13 +168,24 @@ impl Picture {
     }
 }
 
-/// Returns red, green and blue of each pixel.
-fn colors<T: Copy>(all: &[T], channels: usize, light: impl Fn(T) -> f32) -> Vec<[f32; 3]> {
-    let pixels = all.chunks_exact(channels);
-    let colors = pixels.map(|pixel| match *pixel {
-        [r, g, b, ..] => [r, g, b].map(&light),
-        [gray, ..] => [light(gray); 3],
-        [] => [0.0; 3],
-    });
-    colors.collect()
+/// Returns red, green and blue of each pixel, given the number of channels.
+fn colors<T: Copy>(
+    all: &[T],
+    (size, channels): (Size, usize),
+    cancel: Option<&Cancel>,
+    light: impl Fn(T) -> f32,
+) -> Result<Vec<[f32; 3]>, Error> {
+    let mut colors = Vec::new();
+    let reserved = colors.try_reserve_exact(all.len() / channels);
+    reserved.map_err(|error| too_large(size).caused_by(error))?;
+    for row in all.chunks_exact(size.width() as usize * channels) {
+        cancel.map_or(Ok(()), Cancel::check)?;
+        let pixels = row.chunks_exact(channels);
+        colors.extend(pixels.map(|pixel| match *pixel {
+            [r, g, b, ..] => [r, g, b].map(&light),
+            [gray, ..] => [light(gray); 3],
+            [] => [0.0; 3],
+        }));
+    }
+    Ok(colors)
 }

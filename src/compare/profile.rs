@@ -4,14 +4,17 @@ use std::{io::Cursor, iter};
 
 use image::{ImageDecoder, ImageFormat, ImageReader};
 
-use crate::compare::limit::PictureOptions;
+use crate::{
+    compare::limit::PictureOptions,
+    parallel::{Cancel, reader::UntilCancelled},
+};
 
 /// The gamma of sRGB in a PNG file, in 100,000ths.
 const GAMMA: u32 = 45_455;
 
 /// Returns what a picture file has that gives its display values other colors than sRGB, if it has something: an ICC
-/// profile, or a gamma.
-pub(crate) fn other_than_srgb(file: &[u8]) -> Option<&'static str> {
+/// profile, or a gamma; `None` once cancelled.
+pub(crate) fn other_than_srgb(file: &[u8], cancel: Option<&Cancel>) -> Option<&'static str> {
     let format = image::guess_format(file).ok()?;
     let mut gamma = None;
     if format == ImageFormat::Png {
@@ -24,7 +27,8 @@ pub(crate) fn other_than_srgb(file: &[u8]) -> Option<&'static str> {
             }
         }
     }
-    let mut reader = ImageReader::with_format(Cursor::new(file), format);
+    let file = UntilCancelled::new(Cursor::new(file), cancel);
+    let mut reader = ImageReader::with_format(file, format);
     reader.limits(PictureOptions::decoder_limits(0));
     let profile = reader.into_decoder().ok()?.icc_profile().ok()?;
     match (profile, gamma) {
@@ -88,11 +92,11 @@ mod tests {
     #[test]
     fn profiles_of_srgb_are_no_others() {
         for file in with_profile(b"a profile of Display P3") {
-            assert_eq!(other_than_srgb(&file), Some("ICC profile"));
+            assert_eq!(other_than_srgb(&file, None), Some("ICC profile"));
         }
         for profile in [&b"this is sRGB IEC61966-2.1"[..], b"mluc\0s\0R\0G\0B\0"] {
             for file in with_profile(profile) {
-                assert_eq!(other_than_srgb(&file), None);
+                assert_eq!(other_than_srgb(&file, None), None);
             }
         }
     }
@@ -111,7 +115,7 @@ mod tests {
             let gamma = png_chunks(&file).find(|(name, _)| *name == b"gAMA");
             assert_eq!(gamma.is_some(), name == b"gAMA");
             // The decoder needs no checksum of what it may skip.
-            assert_eq!(other_than_srgb(&file), other, "{name:?} {number}");
+            assert_eq!(other_than_srgb(&file, None), other, "{name:?} {number}");
         }
         for file in [
             &b""[..],
@@ -119,7 +123,7 @@ mod tests {
             b"BM",
             b"\x89PNG\r\n\x1a\n\xff\xff\xff\xff",
         ] {
-            assert_eq!(other_than_srgb(file), None);
+            assert_eq!(other_than_srgb(file, None), None);
             assert_eq!(png_chunks(file).count(), 0);
         }
     }

@@ -14,6 +14,7 @@ use crate::{
     },
     diagnostic::error::{Error, ErrorKind},
     image_file::{check_memory, format::is_decoded},
+    parallel::{Cancel, reader::UntilCancelled},
 };
 
 impl Picture {
@@ -35,7 +36,7 @@ impl Picture {
     pub fn read_with(path: impl AsRef<Path>, options: &PictureOptions) -> Result<Self, Error> {
         let path = path.as_ref();
         let file = options.bytes(path)?;
-        Self::decode(&file, options).map_err(|error| error.at(path))
+        Self::from_bytes(&file, options).map_err(|error| error.at(path))
     }
 
     /// Reads a picture from the bytes of a file.
@@ -44,12 +45,17 @@ impl Picture {
     ///
     /// Fails like [`Picture::read`].
     pub fn from_bytes(file: &[u8], options: &PictureOptions) -> Result<Self, Error> {
-        Self::decode(file, options)
+        Self::until_cancelled(file, options, None)
     }
 
-    fn decode(file: &[u8], options: &PictureOptions) -> Result<Self, Error> {
+    /// The same until cancelled, which is asked as far as the decoder of the format reads on.
+    pub(crate) fn until_cancelled(
+        file: &[u8],
+        options: &PictureOptions,
+        cancel: Option<&Cancel>,
+    ) -> Result<Self, Error> {
         if pfm::is_pfm(file) {
-            return pfm::decode(file, options);
+            return pfm::decode(file, options, cancel);
         }
         if numpy::is_npy(file) {
             return Self::of_layers(numpy::npy(file, options)?, numpy::ARRAY);
@@ -69,7 +75,7 @@ impl Picture {
             return Err(limit::broken("jpg", "the end is missing"));
         }
         if format == ImageFormat::Tiff
-            && let Some(gray) = gray_floats(file, options)?
+            && let Some(gray) = gray_floats(file, options, cancel)?
         {
             return Ok(gray);
         }
@@ -77,7 +83,7 @@ impl Picture {
             options.check_webp(file)?;
         }
         let layers = if format == ImageFormat::OpenExr {
-            let (layers, has_colors) = exr::layers(file, options)?;
+            let (layers, has_colors) = exr::layers(file, options, cancel)?;
             if !has_colors {
                 return Self::of_layers(layers, "");
             }
@@ -85,7 +91,8 @@ impl Picture {
         } else {
             None
         };
-        let mut reader = ImageReader::with_format(Cursor::new(file), format);
+        let file = UntilCancelled::new(Cursor::new(file), cancel);
+        let mut reader = ImageReader::with_format(file, format);
         // The size is not known yet, so this limit covers only what is not pixels.
         reader.limits(PictureOptions::decoder_limits(0));
         let decoder = reader.into_decoder();
@@ -104,8 +111,13 @@ impl Picture {
 }
 
 /// Reads a TIFF file with one float per pixel, which `image` does not support.
-fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>, Error> {
-    let Ok(mut tiff) = tiff::decoder::Decoder::new(Cursor::new(file)) else {
+fn gray_floats(
+    file: &[u8],
+    options: &PictureOptions,
+    cancel: Option<&Cancel>,
+) -> Result<Option<Picture>, Error> {
+    let file = UntilCancelled::new(Cursor::new(file), cancel);
+    let Ok(mut tiff) = tiff::decoder::Decoder::new(file) else {
         return Ok(None);
     };
     let (Ok(ColorType::Gray(32)), Ok((width, height))) = (tiff.colortype(), tiff.dimensions())
@@ -157,7 +169,7 @@ mod tests {
     const WIDTH: u32 = 7;
 
     fn decode(file: &[u8]) -> Result<Picture, Error> {
-        Picture::decode(file, &PictureOptions::new())
+        Picture::from_bytes(file, &PictureOptions::new())
     }
 
     fn colors() -> RgbImage {
@@ -212,6 +224,24 @@ mod tests {
         let jpeg = decode(&file(colors(), ImageFormat::Jpeg)).unwrap();
         let found = expected.compare(&jpeg, &CompareOptions::new()).unwrap();
         assert!(found.unwrap().mean_delta < 20.0);
+    }
+
+    #[test]
+    fn reading_and_conversion_end_once_cancelled() {
+        use ImageFormat::{Hdr, OpenExr, Png};
+        let cancel = Cancel::new();
+        cancel.cancel();
+        let mut files = vec![file(colors(), Png), b"Pf\n1 1\n-1.0\n1234".to_vec()];
+        files.extend([Hdr, OpenExr].map(|format| file(light(), format)));
+        for file in files {
+            let read = |cancel| Picture::until_cancelled(&file, &PictureOptions::new(), cancel);
+            let error = read(Some(&cancel)).unwrap_err();
+            assert!(error.to_string().contains("interrupted"), "{error}");
+            let picture = read(None).unwrap();
+            assert!(picture.clone().into_light(None).is_ok());
+            let error = picture.into_light(Some(&cancel)).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::Interrupted);
+        }
     }
 
     #[test]

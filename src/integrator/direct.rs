@@ -13,7 +13,7 @@ use crate::{
     film::parts::LightParts,
     integrator::{
         Integrate,
-        path::emitters::EmittedBy,
+        path::emitters::EmitterChance,
         queue::{Lanes, Queue, Seen},
         surface::{AtGlass, Onward, Path, Shadow, Surface},
     },
@@ -103,10 +103,10 @@ pub(crate) enum Step<'a> {
     FacesAway,
     /// The light on a shadow ray, up to a `t`, that comes through.
     Shadow(&'a Ray, f64, &'a Departure, Radiance),
-    /// A path aims at this emitter, which it chose with this probability.
-    Emitter(Option<EmittedBy>, f64),
-    /// The probability of one of the first emitters.
-    OtherEmitter(EmittedBy, f64),
+    /// A path aims at this emitter.
+    Emitter(EmitterChance),
+    /// One of the first emitters.
+    OtherEmitter(EmitterChance),
     /// A path brings this light.
     Adds(Radiance),
     /// All lights are summed up.

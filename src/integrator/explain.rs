@@ -214,7 +214,7 @@ impl StepRecorder<'_> {
                 ]);
                 light.dark = (transmission == Radiance::BLACK).then_some("it is in shadow");
             }),
-            Step::Emitter(..) | Step::OtherEmitter(..) | Step::Adds(_) => {}
+            Step::Emitter(_) | Step::OtherEmitter(_) | Step::Adds(_) => {}
             Step::Summed => self.at_surface(|surface| surface.is_summed = true),
             Step::Brings(shaded) => self.close(shaded),
         }

@@ -1,6 +1,6 @@
 //! A reader that fails once it is cancelled.
 
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, Read, Seek, SeekFrom};
 
 use crate::parallel::Cancel;
 
@@ -15,6 +15,12 @@ impl<R> UntilCancelled<R> {
         let cancel = cancel.cloned();
         Self { reader, cancel }
     }
+
+    fn check(&self) -> io::Result<()> {
+        let cancel = self.cancel.as_ref();
+        let checked = cancel.map_or(Ok(()), Cancel::check);
+        checked.map_err(io::Error::other)
+    }
 }
 
 impl<R: Seek> Seek for UntilCancelled<R> {
@@ -25,9 +31,18 @@ impl<R: Seek> Seek for UntilCancelled<R> {
 
 impl<R: Read> Read for UntilCancelled<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if let Some(cancel) = &self.cancel {
-            cancel.check().map_err(io::Error::other)?;
-        }
+        self.check()?;
         self.reader.read(buffer)
+    }
+}
+
+impl<R: BufRead> BufRead for UntilCancelled<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.check()?;
+        self.reader.fill_buf()
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.reader.consume(count);
     }
 }

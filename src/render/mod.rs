@@ -28,7 +28,7 @@ pub use crate::{
     film::parts::LightParts,
     integrator::explain::{RayEnd, Shading, ShiningLight, TracedRay, explain},
     integrator::path::{
-        emitters::EmittedBy,
+        emitters::{EmittedBy, EmitterChance},
         explain::{ExplainedPath, PathSegment},
     },
     tracer::shape::working::{Term, Working},

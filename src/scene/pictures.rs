@@ -105,12 +105,14 @@ fn open(
         .read_to_end(&mut bytes);
     read.map_err(unreadable)?;
     let invalid = |what: &str| place.problem(Code::InvalidImage, what);
-    let picture = Picture::from_bytes(&bytes, &PictureOptions::new());
+    let (limits, cancel) = (PictureOptions::new(), options.canceller());
+    let picture = Picture::until_cancelled(&bytes, &limits, cancel);
     let picture = picture.map_err(|error| invalid(error.cause()))?;
-    let ignored = other_than_srgb(&bytes);
+    let ignored = other_than_srgb(&bytes, cancel);
     drop(bytes);
-    let light = picture.into_light();
-    let (size, light) = light.ok_or_else(|| invalid("the file has no colors"))?;
+    let size = picture.size();
+    let light = picture.into_light(cancel);
+    let light = light.map_err(|error| invalid(error.cause()))?;
     let texels = Texels::new(size.width(), size.height(), light);
     let texels = texels.map_err(|error| invalid(&error.to_string()))?;
     Ok((texels, ignored))

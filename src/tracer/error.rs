@@ -98,6 +98,13 @@ pub enum GeometryError {
     },
     /// A picture that should shine is black.
     BlackPicture,
+    /// A picture that should shine does not fit into memory.
+    PictureMemory {
+        /// The number of pixels in a row.
+        width: u32,
+        /// The number of rows.
+        height: u32,
+    },
     /// A camera has nothing to frame, because no geometry is bounded.
     NothingToFit,
     /// A camera that frames its geometries cannot be computed in f64, because they are too large, or
@@ -161,6 +168,9 @@ impl fmt::Display for GeometryError {
                 "pixel ({column}, {row}), from the top left, has the light `{value}`, expected a number of at least 0"
             ),
             Self::BlackPicture => f.write_str("the picture is black"),
+            Self::PictureMemory { width, height } => {
+                write!(f, "a picture of {width}x{height} does not fit into memory")
+            }
             Self::NothingToFit => f.write_str("there is nothing to frame: no geometry is bounded"),
             Self::CannotFit => f.write_str(
                 "the geometries cannot be framed in f64: they are too large, or too small for \

@@ -9,7 +9,7 @@ use crate::tracer::{error::GeometryError, radiance::Radiance};
 pub struct Texels {
     width: u32,
     height: u32,
-    light: Arc<[[f32; 3]]>,
+    light: Arc<Vec<[f32; 3]>>,
     /// The largest channel of all pixels.
     brightest: f32,
 }
@@ -54,7 +54,7 @@ impl Texels {
             width,
             height,
             brightest: all.iter().copied().fold(0.0, f32::max),
-            light: light.into(),
+            light: Arc::new(light),
         })
     }
 

@@ -262,6 +262,35 @@ fn deflated_zeros() -> Vec<u8> {
     miniz_oxide::deflate::compress_to_vec_zlib(&vec![0; 200_000_000], 6)
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_sky_that_does_not_fit_into_memory_is_an_error() {
+    let folder = Folder::new();
+    let mut sky = b"Pf 3000 2000 -1 ".to_vec();
+    sky.resize(sky.len() + 4 * 3000 * 2000, 0);
+    folder.write("sky.pfm", sky);
+    folder.write(
+        "sky.ron",
+        "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4), lighting: Path(), \
+         lights: [Environment(image: \"sky.pfm\")], \
+         geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#f00\")])",
+    );
+    // The file, its samples, their light and the table of the sky need 24, 24, 72 and 48 MB.
+    let mut is_read = Vec::new();
+    for kib in (200_000..400_000).step_by(12_000).chain([2_000_000]) {
+        let done = with_memory(&folder, kib, &["validate", "sky.ron"]);
+        let text = String::from_utf8_lossy(&done.stdout);
+        let is_full = text.contains("a picture of 3000x2000 does not fit into memory");
+        assert_eq!(done.status, Some(1), "{kib} {done:?}");
+        assert!(
+            is_full != text.contains("the picture is black"),
+            "{kib} {text}"
+        );
+        is_read.push(!is_full);
+    }
+    assert!(!is_read[0] && is_read.ends_with(&[true]), "{is_read:?}");
+}
+
 #[test]
 fn devices_and_endless_pipes_are_not_pictures() {
     let folder = Folder::new();

@@ -232,13 +232,36 @@ fn are_near(one: [f64; 3], other: [f64; 3]) -> bool {
     one.into_iter().zip(other).all(is_near)
 }
 
+/// Asserts that the emitters at the end of a ray, which are few, are chosen in proportion to their weights.
+#[track_caller]
+fn assert_weights(ray: &Value) -> usize {
+    let Some(emitters) = ray["emitters"].as_array() else {
+        return 0;
+    };
+    let terms = ray["terms"].as_array().unwrap().iter();
+    let mut sums = terms.filter(|term| term["name"] == "weights");
+    let sum = sums.next().unwrap()["numbers"][0].as_f64().unwrap();
+    let all = emitters.iter().chain([&ray["emitter"]]);
+    let weights: Vec<_> = all
+        .map(|of| {
+            let [weight, part] = ["weight", "probability"].map(|name| of[name].as_f64().unwrap());
+            assert!((weight - part * sum).abs() <= 1e-12 * sum, "{of}");
+            weight
+        })
+        .collect();
+    let of_all = weights[..emitters.len()].iter().sum::<f64>();
+    assert!((of_all - sum).abs() <= 1e-12 * sum, "{of_all} {sum}");
+    assert!(emitters.contains(&ray["emitter"]));
+    emitters.len()
+}
+
 #[test]
 fn the_paths_of_a_pixel_add_up_to_its_light() {
     let rough = [
         r##"Metal(color: "#ffd27f", roughness: 0.3)"##,
         r##"Glass(roughness: 0.4)"##,
     ];
-    let mut most_rays = 0;
+    let (mut most_rays, mut most_emitters) = (0, 0);
     for material in MATERIALS.into_iter().chain(rough) {
         let folder = Folder::new();
         let lights =
@@ -264,6 +287,8 @@ fn the_paths_of_a_pixel_add_up_to_its_light() {
                 let path = &value["light"]["paths"]["path"];
                 let rays = path["rays"].as_array().unwrap();
                 most_rays = most_rays.max(rays.len());
+                let emitters = rays.iter().map(assert_weights);
+                most_emitters = emitters.fold(most_emitters, usize::max);
                 let light = three(&path["light"]);
                 let adds = total(rays.iter().map(|ray| three(&ray["adds"])));
                 assert!(are_near(adds, light), "{material} {pixel} {sample}");
@@ -276,7 +301,10 @@ fn the_paths_of_a_pixel_add_up_to_its_light() {
             );
         }
     }
-    assert!(most_rays > 4, "{most_rays}");
+    assert!(
+        most_rays > 4 && most_emitters == 5,
+        "{most_rays} {most_emitters}"
+    );
 }
 
 #[test]

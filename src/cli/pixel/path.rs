@@ -5,7 +5,7 @@ use std::fmt::{self, Write as _};
 use serde::{Serialize, ser::SerializeMap};
 use strahl::{
     Radiance, Scene,
-    render::{EmittedBy, ExplainedPath, ExplainedPaths, PathSegment, Term},
+    render::{EmittedBy, EmitterChance, ExplainedPath, ExplainedPaths, PathSegment, Term},
 };
 
 use super::{
@@ -25,7 +25,12 @@ fn named(scene: &Scene, emitter: EmittedBy) -> String {
     }
 }
 
-/// An emitter with its probability, in data.
+/// Returns the weight and the probability of an emitter, for people.
+fn odds(of: EmitterChance) -> String {
+    format!("W = {:?}, P = {:?}", of.weight, of.probability)
+}
+
+/// An emitter with its weight and its probability, in data.
 #[derive(Serialize)]
 struct EmitterTerms<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,12 +39,13 @@ struct EmitterTerms<'a> {
     geometry: Option<OriginTerms<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     face: Option<u64>,
+    weight: f64,
     probability: f64,
 }
 
 impl<'a> EmitterTerms<'a> {
-    fn new(scene: &'a Scene, (emitter, probability): (EmittedBy, f64)) -> Self {
-        let (light, face) = match emitter {
+    fn new(scene: &'a Scene, of: EmitterChance) -> Self {
+        let (light, face) = match of.emitter {
             EmittedBy::Light(index) => (Some(index), None),
             EmittedBy::Face(face) => (None, Some(face)),
         };
@@ -48,7 +54,8 @@ impl<'a> EmitterTerms<'a> {
             light,
             geometry: id.map(|id| OriginTerms::new(scene, id)),
             face: face.map(|face| face.face),
-            probability,
+            weight: of.weight,
+            probability: of.probability,
         }
     }
 }
@@ -164,18 +171,12 @@ impl ExplainedStep for PathSegment {
                 write_terms(&surface.terms, out, indent + 3)?;
             }
         }
-        if let Some((emitter, probability)) = self.emitter {
-            let name = named(scene, emitter);
-            writeln!(
-                out,
-                "{pad}    aims at {name} with the probability P = {probability:?}"
-            )?;
-            for (emitter, probability) in &self.emitters {
-                writeln!(
-                    out,
-                    "{pad}      P of {} = {probability:?}",
-                    named(scene, *emitter)
-                )?;
+        if let Some(chosen) = self.emitter {
+            let name = named(scene, chosen.emitter);
+            writeln!(out, "{pad}    aims at {name} with {}", odds(chosen))?;
+            for first in &self.emitters {
+                let name = named(scene, first.emitter);
+                writeln!(out, "{pad}      {name} has {}", odds(*first))?;
             }
             write_crossings(scene, &self.crossings, out, indent + 3)?;
         }

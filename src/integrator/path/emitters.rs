@@ -30,7 +30,7 @@ use crate::{
 
 /// The number of emitters whose sums need no memory of their own.
 const FEW: usize = 16;
-/// The number of emitters whose probabilities are told.
+/// The number of emitters whose weights and probabilities are told.
 const SHOWN: usize = 8;
 /// The part of the way to a curved face by which the point that a ray meets may lie before the one that it
 /// was aimed at: 2⁻²⁰.
@@ -83,6 +83,17 @@ pub enum EmittedBy {
     Light(usize),
     /// A face that shines.
     Face(FaceId),
+}
+
+/// An emitter, and how likely paths aim at it from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterChance {
+    /// The emitter.
+    pub emitter: EmittedBy,
+    /// W: an estimate of the irradiance that it brings, without shadows.
+    pub weight: f64,
+    /// P: the probability that it is chosen.
+    pub probability: f64,
 }
 
 /// A direction to an emitter, and its light.
@@ -286,17 +297,31 @@ impl Emitters {
         lights.nth(number)
     }
 
-    /// Returns the probabilities of the first emitters at a point.
-    pub(super) fn first_probabilities(
+    /// Returns an emitter that is chosen for a point with a probability, and its weight.
+    pub(super) fn chance(
         &self,
         world: &World,
         point: DVec3,
-    ) -> impl Iterator<Item = (EmittedBy, f64)> {
+        (number, probability): (usize, f64),
+    ) -> Option<EmitterChance> {
+        Some(EmitterChance {
+            emitter: self.emitted_by(world, number)?,
+            weight: self.all[number].weight(point),
+            probability,
+        })
+    }
+
+    /// Returns the first emitters, with their weights and probabilities at a point.
+    pub(super) fn first_chances(
+        &self,
+        world: &World,
+        point: DVec3,
+    ) -> impl Iterator<Item = EmitterChance> {
         let first = 0..self.all.len().min(SHOWN);
         let sum = self.weights(point).sum();
         first.filter_map(move |number| {
-            let emitter = self.emitted_by(world, number)?;
-            Some((emitter, self.probability((point, sum), number)))
+            let probability = self.probability((point, sum), number);
+            self.chance(world, point, (number, probability))
         })
     }
 

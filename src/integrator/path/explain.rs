@@ -4,7 +4,7 @@
 
 use std::{cell::RefCell, ops::Range};
 
-use super::{PathTracer, emitters::EmittedBy, sampler::Sampler};
+use super::{PathTracer, emitters::EmitterChance, sampler::Sampler};
 use crate::{
     film::size::Size,
     integrator::{
@@ -44,10 +44,10 @@ pub struct PathSegment {
     pub surface: Option<Box<Shading>>,
     /// The numbers of what happens there, in their order.
     pub terms: Vec<Term>,
-    /// The emitter that is aimed at, with its probability.
-    pub emitter: Option<(EmittedBy, f64)>,
-    /// The first emitters, with their probabilities.
-    pub emitters: Vec<(EmittedBy, f64)>,
+    /// The emitter that is aimed at.
+    pub emitter: Option<EmitterChance>,
+    /// The first emitters.
+    pub emitters: Vec<EmitterChance>,
     /// The geometries in the way of its light: id, `t` and the part of the light that comes through.
     pub crossings: Vec<(usize, f64, Radiance)>,
     /// The light that the path brings there.
@@ -111,12 +111,8 @@ fn note(world: &World, segments: &RefCell<Vec<PathSegment>>, step: Step) {
             let id = world.id_of(surface.index, surface.hit.face);
             segment.surface = Some(Box::new(Shading::new(surface, id)));
         }),
-        Step::Emitter(emitter, probability) => at_end(&|segment| {
-            segment.emitter = emitter.map(|emitter| (emitter, probability));
-        }),
-        Step::OtherEmitter(emitter, probability) => {
-            at_end(&|segment| segment.emitters.push((emitter, probability)));
-        }
+        Step::Emitter(chosen) => at_end(&|segment| segment.emitter = Some(chosen)),
+        Step::OtherEmitter(first) => at_end(&|segment| segment.emitters.push(first)),
         Step::Term(name, symbol, value) => {
             at_end(&|segment| segment.terms.push(term(name, symbol, value)));
         }

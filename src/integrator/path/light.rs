@@ -118,14 +118,17 @@ impl<Q: Queries> PathTracer<'_, Q> {
         self.number("choice", "u of the emitter", u);
         let weights = self.emitters.weights(point);
         state.weights = weights.sum();
+        self.number("weights", "ΣW of all emitters", state.weights);
         let Some((number, probability)) = weights.choose(u) else {
             return;
         };
         if Q::LISTENS {
-            let (emitter, world) = (self.emitters.emitted_by(self.world, number), self.world);
-            self.queries.tell(Step::Emitter(emitter, probability));
-            for (emitter, probability) in self.emitters.first_probabilities(world, point) {
-                self.queries.tell(Step::OtherEmitter(emitter, probability));
+            let chosen = (number, probability);
+            if let Some(chosen) = self.emitters.chance(self.world, point, chosen) {
+                self.queries.tell(Step::Emitter(chosen));
+            }
+            for first in self.emitters.first_chances(self.world, point) {
+                self.queries.tell(Step::OtherEmitter(first));
             }
         }
         let pair = sampler.at(path.depth, Purpose::Emitter);

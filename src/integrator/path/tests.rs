@@ -1,11 +1,15 @@
 mod densities;
 
-use std::sync::Arc;
+use std::{f64::consts::PI, iter, sync::Arc};
 
 use glam::DVec3;
 
 use crate::{
-    integrator::path::{PathTracer, sampler::Sampler},
+    integrator::path::{
+        PathTracer,
+        emitters::{EmittedBy, Emitters},
+        sampler::Sampler,
+    },
     tracer::{
         color::Color,
         geometry::Geometry,
@@ -272,7 +276,7 @@ fn lamps_light_a_floor_as_their_closed_forms_say() {
             let slant = (a * a + 4.0).sqrt();
             a / slant * libm::atan(b / slant)
         };
-        let expected = 0.5 * (side(1.0, 3.0) + side(3.0, 1.0)) / (2.0 * std::f64::consts::PI);
+        let expected = 0.5 * (side(1.0, 3.0) + side(3.0, 1.0)) / (2.0 * PI);
         assert_mean(below(rectangle, max_depth), expected);
     }
 }
@@ -361,6 +365,28 @@ fn a_lamp_fills_a_hollow() {
 }
 
 // A floor below a pane: its light is that of direct lighting, whatever part of it is found by chance.
+#[test]
+fn emitters_have_their_own_weights_inside_of_a_tree_too() {
+    let sun = Directional::new(-DVec3::Y, Color::WHITE, 0.2, true).unwrap();
+    let points = (0..40).map(|place| point(DVec3::new(f64::from(place), 3.0, 0.0), 1.0));
+    let lights = iter::once(Light::from(sun)).chain(points).collect();
+    let world = by_paths(vec![floor(half())], lights, (options(1), 1));
+    let emitters = Emitters::new(&world);
+    let first: Vec<_> = emitters.first_chances(&world, DVec3::ZERO).collect();
+    let sum = emitters.weights(DVec3::ZERO).sum();
+    assert_eq!(first.len(), 8);
+    assert_eq!(first[0].emitter, EmittedBy::Light(0));
+    assert!((first[0].weight - 0.2 * PI).abs() < 1e-15);
+    assert_eq!(first[0].probability, first[0].weight / sum);
+    for (place, of) in (0..).zip(&first[1..]) {
+        let squared = f64::from(place * place + 9);
+        assert!((of.weight - PI / squared).abs() < 1e-14, "{of:?}");
+        assert!(of.probability > 0.0 && of.probability != of.weight / sum);
+    }
+    let all = (0..41).map(|number| emitters.probability((DVec3::ZERO, sum), number));
+    assert!((all.sum::<f64>() - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn panes_let_the_light_of_lamps_straight_through() {
     let glass = Glass::new(half(), 1.5).unwrap();

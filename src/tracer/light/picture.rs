@@ -18,7 +18,7 @@ use crate::tracer::{
 pub struct SkyPicture {
     texels: Texels,
     /// The sums of the weights of the pixels up to each one: of their light times their solid angle.
-    sums: Arc<[f64]>,
+    sums: Arc<Vec<f64>>,
     /// The cosines of the angles at which rows begin and end.
     heights: Arc<[f64]>,
 }
@@ -47,7 +47,7 @@ impl SkyPicture {
     ///
     /// # Errors
     ///
-    /// Returns an error if it is black.
+    /// Returns an error if it is black, or if the sums do not fit into memory.
     pub fn new(texels: Texels) -> Result<Self, GeometryError> {
         let built = Self::until(texels, || false);
         built.unwrap_or(Err(GeometryError::BlackPicture))
@@ -63,7 +63,11 @@ impl SkyPicture {
             .map(|row| libm::cos(PI * f64::from(row) / f64::from(height)))
             .collect();
         let brightest = |column: u32, row: u32| texels.at(column, row).max_channel();
-        let mut sums = Vec::with_capacity(width as usize * height as usize);
+        let mut sums = Vec::new();
+        let reserved = sums.try_reserve_exact(width as usize * height as usize);
+        if reserved.is_err() {
+            return Some(Err(GeometryError::PictureMemory { width, height }));
+        }
         let mut sum = 0.0;
         // The mean over three rows, of each column.
         let mut means = vec![0.0; width as usize];
@@ -94,7 +98,7 @@ impl SkyPicture {
         }
         Some(Ok(Self {
             texels,
-            sums: sums.into(),
+            sums: Arc::new(sums),
             heights,
         }))
     }

@@ -1,5 +1,5 @@
 //! Directions are chosen as often as their densities say: a test of chi-square for lamps, for lights of a size,
-//! for surroundings and for each kind of surface, in cells of equal solid angle.
+//! for surroundings and for each kind of surface, in cells of equal solid angle or of the surface of a lamp.
 
 use std::f64::consts::PI;
 
@@ -25,10 +25,10 @@ use crate::{
         radiance::Radiance,
         random::Rng,
         ray::Ray,
-        sampling::UnitPair,
+        sampling::{LocalFrame, UnitPair},
         shape::{
-            Shape, cuboid::Cuboid, disc::Disc, face::FaceId, plane::Plane, rectangle::Rectangle,
-            sphere::Sphere, triangle::Triangle,
+            Shape, capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
+            face::FaceId, plane::Plane, rectangle::Rectangle, sphere::Sphere, triangle::Triangle,
         },
         texels::Texels,
         vector::unit,
@@ -36,35 +36,36 @@ use crate::{
     },
 };
 
-/// The number of cells around the z axis and along it.
+/// The number of cells around an axis and along it.
 const CELLS: [usize; 2] = [64, 32];
 /// The number of directions that are chosen.
 const COUNT: u32 = 1_000_000;
-/// The number of directions in a cell, each way, at which the density is known.
+/// The number of places in a cell, each way, at which the density is known.
 const FINE: usize = 40;
 /// A cell with fewer expected directions is counted with the others of this kind.
 const FEW: f64 = 10.0;
 /// The largest value of the normal distribution: 40 tests of which one fails by chance in ten thousand runs.
 const MOST: f64 = 4.6;
 
-/// The cell of a direction.
-fn cell(l: DVec3) -> usize {
-    let at = |part: f64, count: usize| ((part * count as f64) as usize).min(count - 1);
-    let turn = libm::atan2(l.y, l.x) / (2.0 * PI) + 0.5;
-    at(turn, CELLS[0]) + CELLS[0] * at(f64::midpoint(l.z, 1.0), CELLS[1])
+/// The cell of a vector, given heights along the z axis between which there are cells.
+fn cell(at: DVec3, [low, high]: [f64; 2]) -> usize {
+    let place = |part: f64, count: usize| ((part * count as f64) as usize).min(count - 1);
+    let turn = libm::atan2(at.y, at.x) / (2.0 * PI) + 0.5;
+    place(turn, CELLS[0]) + CELLS[0] * place((at.z - low) / (high - low), CELLS[1])
 }
 
-/// The mean of a density over each cell, times its solid angle.
-fn expected(density: impl Fn(DVec3) -> f64) -> Vec<f64> {
+/// The integral over each cell of a density by angle and height, which is given a unit vector at a right angle to
+/// the z axis, and the height.
+fn integrals([low, high]: [f64; 2], density: impl Fn(DVec3, f64) -> f64) -> Vec<f64> {
     let [around, along] = CELLS.map(|count| count * FINE);
+    let one = 2.0 * PI * (high - low) / (around * along) as f64;
     let mut parts = vec![0.0; CELLS[0] * CELLS[1]];
     for i in 0..along {
-        let z = (i as f64 + 0.5) / along as f64 * 2.0 - 1.0;
-        let radius = (1.0 - z * z).sqrt();
+        let z = low + (i as f64 + 0.5) / along as f64 * (high - low);
         for j in 0..around {
             let (sine, cosine) = libm::sincos(((j as f64 + 0.5) / around as f64 - 0.5) * 2.0 * PI);
-            let l = DVec3::new(radius * cosine, radius * sine, z);
-            parts[cell(l)] += density(l) * 4.0 * PI / (around * along) as f64;
+            let out = DVec3::new(cosine, sine, 0.0);
+            parts[cell(out + z * DVec3::Z, [low, high])] += density(out, z) * one;
         }
     }
     parts
@@ -77,17 +78,27 @@ fn assert_chosen(
     sample: impl Fn(f64, UnitPair) -> Option<DVec3>,
     density: impl Fn(DVec3) -> f64,
 ) {
+    let heights = [-1.0, 1.0];
+    let expected = integrals(heights, |out, z| {
+        density((1.0 - z * z).sqrt() * out + z * DVec3::Z)
+    });
+    let sample = |u, pair| sample(u, pair).map(|l| cell(l, heights));
+    assert_counts(name, sample, &expected);
+}
+
+/// Asserts that cells are chosen as often as expected; the sum is 1 without those that are lost.
+#[track_caller]
+fn assert_counts(name: &str, sample: impl Fn(f64, UnitPair) -> Option<usize>, expected: &[f64]) {
     let mut random = Rng(0x5eed);
     let mut number = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut found = vec![0_u32; CELLS[0] * CELLS[1]];
     let mut lost = 0;
     for _ in 0..COUNT {
         match sample(number(), [number(), number()]) {
-            Some(l) => found[cell(l)] += 1,
+            Some(cell) => found[cell] += 1,
             None => lost += 1,
         }
     }
-    let expected = expected(density);
     let all = expected.iter().sum::<f64>() + f64::from(lost) / f64::from(COUNT);
     assert!(
         (all - 1.0).abs() < 3e-3,
@@ -144,8 +155,11 @@ fn assert_chosen(
 /// Where paths aim from.
 const FROM: DVec3 = DVec3::new(0.1, -0.2, 0.3);
 
+/// A world, its emitters, and the start of rays from where paths aim.
+type Aiming = (World, Emitters, Departure);
+
 /// The emitters of a world, and the start of rays that leave a plane at the point.
-fn aiming(mut geometries: Vec<Geometry>, lights: Vec<Light>) -> (World, Emitters, Departure) {
+fn aiming(mut geometries: Vec<Geometry>, lights: Vec<Light>) -> Aiming {
     let own = FaceId {
         geometry: geometries.len(),
         face: 0,
@@ -157,7 +171,35 @@ fn aiming(mut geometries: Vec<Geometry>, lights: Vec<Light>) -> (World, Emitters
     (world, emitters, Departure::at_hit(own, None, DVec3::Y))
 }
 
-// Not those with round sides: where these end, their densities grow without bound.
+/// The world of a lamp.
+fn aiming_at(shape: Shape) -> Aiming {
+    let lamp = Emissive::new(Color::WHITE, 1.0).unwrap();
+    aiming(vec![Geometry::new(shape, lamp)], vec![])
+}
+
+/// Returns a direction to a lamp; `None` if what it is aimed at lies behind another face.
+fn aim((world, emitters, start): &Aiming, u: f64, pair: UnitPair) -> Option<DVec3> {
+    let (number, _) = emitters.weights(FROM).choose(u)?;
+    let aimed = emitters.aim(world, number, (FROM, start), pair)?;
+    let (_, t_max) = aimed.shadow?;
+    let is_first = world.transmission(&Ray::new(FROM, aimed.l), t_max, start);
+    (is_first != Radiance::BLACK).then_some(aimed.l)
+}
+
+/// Returns the point of a lamp in a direction, and the density of the direction.
+fn meet((world, emitters, _): &Aiming, l: DVec3) -> Option<(DVec3, f64)> {
+    let (geometry, hit) = world.hit(&Ray::new(FROM, l))?;
+    let face = FaceId {
+        geometry,
+        face: hit.face,
+    };
+    let (number, density) = emitters.of_face(face, (hit.point, hit.normal), FROM)?;
+    Some((
+        hit.point,
+        density * emitters.probability((FROM, emitters.weights(FROM).sum()), number),
+    ))
+}
+
 #[test]
 fn lamps_are_aimed_at_by_their_densities() {
     let v = DVec3::new;
@@ -193,29 +235,78 @@ fn lamps_are_aimed_at_by_their_densities() {
         ),
     ];
     for (name, shape) in shapes {
-        let lamp = Emissive::new(Color::WHITE, 1.0).unwrap();
-        let (world, emitters, start) = aiming(vec![Geometry::new(shape, lamp)], vec![]);
-        let first = |l: DVec3| {
-            let (index, hit) = world.hit(&Ray::new(FROM, l))?;
-            let face = FaceId {
-                geometry: index,
-                face: hit.face,
-            };
-            let (number, density) = emitters.of_face(face, (hit.point, hit.normal), FROM)?;
-            Some(density * emitters.probability((FROM, emitters.weights(FROM).sum()), number))
-        };
+        let aiming = aiming_at(shape);
         assert_chosen(
             name,
-            |u, pair| {
-                let (number, _) = emitters.weights(FROM).choose(u)?;
-                let aimed = emitters.aim(&world, number, (FROM, &start), pair)?;
-                // A face may lie behind another one of the lamp.
-                let (_, t_max) = aimed.shadow?;
-                let is_first = world.transmission(&Ray::new(FROM, aimed.l), t_max, &start);
-                (is_first != Radiance::BLACK).then_some(aimed.l)
-            },
-            |l| first(l).unwrap_or(0.0),
+            |u, pair| aim(&aiming, u, pair),
+            |l| meet(&aiming, l).map_or(0.0, |(_, density)| density),
         );
+    }
+}
+
+// The density of directions grows without bound to where a round side turns away, as does the area that they
+// cover. So these cells are parts of the side, whose expected counts have no poles.
+#[test]
+fn round_lamps_are_aimed_at_by_their_densities() {
+    let (from, to) = (DVec3::new(-0.4, 0.3, 1.0), DVec3::new(0.9, 0.8, 1.7));
+    let length = (to - from).length();
+    // The radius r at a height, and r times its growth.
+    type Profile<'a> = &'a dyn Fn(f64) -> [f64; 2];
+    let cone = |radius: f64, top: f64| {
+        let growth = (top - radius) / length;
+        move |height| {
+            let radius = radius + growth * height;
+            [radius, radius * growth]
+        }
+    };
+    let capsule = |height: f64| {
+        let beyond = height - height.clamp(0.0, length);
+        [(0.16 - beyond * beyond).sqrt(), -beyond]
+    };
+    let lamps: [(&str, Shape, [f64; 2], Profile); 4] = [
+        (
+            "cylinder",
+            Cylinder::new(from, to, 0.4, false).unwrap().into(),
+            [0.0, length],
+            &cone(0.4, 0.4),
+        ),
+        (
+            "cone",
+            Cone::new(from, to, 0.6, 0.2, false).unwrap().into(),
+            [0.0, length],
+            &cone(0.6, 0.2),
+        ),
+        (
+            "pointed cone",
+            Cone::new(from, to, 0.6, 0.0, false).unwrap().into(),
+            [0.0, length],
+            &cone(0.6, 0.0),
+        ),
+        (
+            "capsule",
+            Capsule::new(from, to, 0.4).unwrap().into(),
+            [-0.4, length + 0.4],
+            &capsule,
+        ),
+    ];
+    let axes = LocalFrame::new(unit(to - from));
+    for (name, shape, heights, profile) in lamps {
+        let aiming = aiming_at(shape);
+        let expected = integrals(heights, |out, height| {
+            let [radius, growth] = profile(height);
+            let at = from + axes.outward(radius * out + height * DVec3::Z);
+            let (to, across) = (at - FROM, axes.outward(radius * out - growth * DVec3::Z));
+            let l = unit(to);
+            let met = meet(&aiming, l).filter(|(first, _)| first.distance(at) < 1e-6);
+            met.map_or(0.0, |(_, density)| {
+                density * l.dot(across).abs() / to.dot(to)
+            })
+        });
+        let sample = |u, pair| {
+            let (at, _) = meet(&aiming, aim(&aiming, u, pair)?)?;
+            Some(cell(axes.inward(at - from), heights))
+        };
+        assert_counts(name, sample, &expected);
     }
 }
 
