@@ -33,18 +33,28 @@ impl<'a> Crossings<'a> {
     /// Returns the first crossing with `0 < t < t_max`.
     #[inline]
     pub(crate) fn first(self, t_max: f64) -> Option<Crossing> {
-        self.in_front(t_max).next()
+        match self.solid.is_convex {
+            true => self.of_convex_in_front(t_max).next(),
+            false => self.of_any_in_front(t_max).next(),
+        }
     }
 
     /// Returns the crossings with `0 < t < t_max`, from near to far.
     pub(crate) fn in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
         let is_convex = self.solid.is_convex;
-        let span = is_convex.then(|| self.inside_all()).flatten();
-        let ends = span.into_iter().flat_map(|span| [span.enter, span.exit]);
-        let ends = ends
-            .filter(move |at| in_front(at.t, t_max).is_some() && self.solid.holds(self.ray, at.t));
+        let of_convex = is_convex.then(|| self.of_convex_in_front(t_max));
         let others = (!is_convex).then(|| self.of_any_in_front(t_max));
-        ends.chain(others.into_iter().flatten())
+        of_convex
+            .into_iter()
+            .flatten()
+            .chain(others.into_iter().flatten())
+    }
+
+    /// The same of an intersection of convex parts.
+    fn of_convex_in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
+        let span = self.inside_all().into_iter();
+        let ends = span.flat_map(|span| [span.enter, span.exit]);
+        ends.filter(move |at| in_front(at.t, t_max).is_some() && self.solid.holds(self.ray, at.t))
     }
 
     /// Returns the span inside all parts, which are convex. Where several begin or end at one `t`, the face of the first
