@@ -133,9 +133,11 @@ fn file_of(line: &str) -> Option<String> {
 }
 
 /// How many samples and how many pixels the large scenes have, and how many the tests draw.
-const FAST: [[&str; 2]; 5] = [
+const FAST: [[&str; 2]; 7] = [
     ["samples: 16)", "samples: 1)"],
     ["Path(samples: 512", "Path(samples: 1"],
+    ["Path(samples: 1024", "Path(samples: 1"],
+    ["width: 600, height: 400", "width: 150, height: 100"],
     ["width: 1200, height: 800", "width: 300, height: 200"],
     ["width: 1200, height: 900", "width: 300, height: 225"],
     ["width: 1280, height: 800", "width: 320, height: 200"],
