@@ -136,8 +136,8 @@ fn file_of(line: &str) -> Option<String> {
 const FAST: [[&str; 2]; 7] = [
     ["samples: 16)", "samples: 1)"],
     ["Path(samples: 512", "Path(samples: 1"],
-    ["Path(samples: 1024", "Path(samples: 1"],
-    ["width: 600, height: 400", "width: 150, height: 100"],
+    ["width: 600, height: ", "width: 60, height: "],
+    ["width: 640, height: 360", "width: 160, height: 90"],
     ["width: 1200, height: 800", "width: 300, height: 200"],
     ["width: 1200, height: 900", "width: 300, height: 225"],
     ["width: 1280, height: 800", "width: 320, height: 200"],

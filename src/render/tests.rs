@@ -314,7 +314,8 @@ fn same(one: &LitPixel, other: &LitPixel) -> bool {
 fn shaded_pictures_are_those_of_the_plain_definition() {
     let pools = [1, 2, 16].map(|threads| Pool::new(Some(threads)));
     let (mut lit, mut clear, mut frames) = (0, 0, 0);
-    for seed in 0..cases(150) as u64 {
+    // In the last picture, frames share copies of tiny flat shapes, far from the camera, on whose faces points lie.
+    for seed in (0..cases(150) as u64).chain([1587]) {
         let mut random = Rng(seed.wrapping_mul(0x1234_5677) | 1);
         let case = Case::new(&mut random);
         let isas = Isa::all();

@@ -119,6 +119,7 @@ macro_rules! shapes {
                 leaving: Leaving,
                 t_max: f64,
             ) -> Option<Crossing> {
+                // All others have their crossings, of which the first is taken.
                 if let Self::Rectangle(rectangle) = self {
                     return rectangle.first(ray, leaving, t_max);
                 }

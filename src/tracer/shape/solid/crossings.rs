@@ -50,7 +50,7 @@ impl<'a> Crossings<'a> {
             .chain(others.into_iter().flatten())
     }
 
-    /// The same of an intersection of convex parts.
+    /// Returns those of an intersection of convex parts.
     fn of_convex_in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
         let span = self.inside_all().into_iter();
         let ends = span.flat_map(|span| [span.enter, span.exit]);
@@ -70,7 +70,7 @@ impl<'a> Crossings<'a> {
         (inside.enter.t < inside.exit.t).then_some(inside)
     }
 
-    /// The same of any solid.
+    /// Returns the crossings of any solid with `0 < t < t_max`, from near to far.
     pub(super) fn of_any_in_front(self, t_max: f64) -> impl Iterator<Item = Crossing> + use<'a> {
         let spans = self.spans(t_max);
         // Of an intersection of many parts, nearly all ends lie outside of the others.
