@@ -2,10 +2,12 @@
 //! order of operations. Scenes with many of them are common: the bonds of molecules, clouds of surfels, blocks,
 //! and the parts of solids.
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         lanes::{across, bits, dot, load3, splat3, sub, surely_holds},
-        mesh::sheared::{Sheared, crossings, is_hit},
+        mesh::sheared::{Sheared, ShearedApart, crossings, is_hit},
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
@@ -407,20 +409,36 @@ fn capsule<S: Simd>(simd: S, capsule: &Capsule, rays: [[S::F64; 3]; 2]) -> Lines
     }
 }
 
+/// Returns corners as eight rays see them.
+#[inline(always)]
+fn seen<S: Simd, const COUNT: usize>(
+    simd: S,
+    rays: [[S::F64; 3]; 2],
+    corners: &[DVec3; COUNT],
+) -> [[S::F64; 3]; COUNT] {
+    let mut seen = [[simd.splat(0.0); 3]; COUNT];
+    // Loops: in a kernel, a closure may be a call.
+    match Sheared::new(simd, rays) {
+        Some(sheared) => {
+            for (seen, corner) in seen.iter_mut().zip(corners) {
+                *seen = sheared.point(simd, corner);
+            }
+        }
+        None => {
+            let sheared = ShearedApart::new(simd, rays);
+            for (seen, corner) in seen.iter_mut().zip(corners) {
+                *seen = sheared.point(simd, corner);
+            }
+        }
+    }
+    seen
+}
+
 #[inline(always)]
 fn triangle<S: Simd>(simd: S, triangle: &Triangle, rays: [[S::F64; 3]; 2]) -> Lines<S> {
     let none = simd.mask(0);
-    let Some(sheared) = Sheared::new(simd, rays) else {
-        return Lines::none(simd, !none);
-    };
     let corners = triangle.corners();
-    let [a, b, c] = &corners;
-    let seen = [
-        sheared.point(simd, a),
-        sheared.point(simd, b),
-        sheared.point(simd, c),
-    ];
-    match crossings(simd, seen) {
+    match crossings(simd, seen(simd, rays, &corners)) {
         Some((t, crosses)) => Lines {
             ends: [(t, simd.splat(0.0)); 2],
             counts: [crosses, none],
@@ -434,16 +452,7 @@ fn triangle<S: Simd>(simd: S, triangle: &Triangle, rays: [[S::F64; 3]; 2]) -> Li
 #[inline(always)]
 fn rectangle<S: Simd>(simd: S, rectangle: &Rectangle, rays: [[S::F64; 3]; 2]) -> Lines<S> {
     let ([o, d], zero, none) = (rays, simd.splat(0.0), simd.mask(0));
-    let Some(sheared) = Sheared::new(simd, rays) else {
-        return Lines::none(simd, !none);
-    };
-    let [a, b, c, e] = &rectangle.corners();
-    let [a, b, c, e] = [
-        sheared.point(simd, a),
-        sheared.point(simd, b),
-        sheared.point(simd, c),
-        sheared.point(simd, e),
-    ];
+    let [a, b, c, e] = seen(simd, rays, &rectangle.corners());
     let is_hit = is_hit(simd, [a, b, c]) | is_hit(simd, [a, c, e]);
     let plane = rectangle.unit_plane();
     let normal = splat3(simd, plane.normal());

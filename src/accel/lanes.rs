@@ -61,6 +61,14 @@ pub(crate) fn load3<S: Simd>(simd: S, axes: &[[f64; LANES]; 3]) -> [S::F64; 3] {
     ]
 }
 
+/// Stores vectors by axis.
+#[inline(always)]
+pub(crate) fn store3<V: F64x8>(vectors: [V; 3], to: &mut [[f64; LANES]; 3]) {
+    for (axis, to) in vectors.into_iter().zip(to) {
+        axis.store(to);
+    }
+}
+
 /// Returns the absolute value; 0 of either sign for 0.
 #[inline(always)]
 pub(crate) fn abs<V: F64x8>(x: V) -> V {

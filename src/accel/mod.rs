@@ -9,11 +9,12 @@
 //! [`index`] gives meshes, copies and solids their trees.
 //! [`kept`] holds what the frames of an animation share, and [`runs`] the parts of a world that it is of.
 //! [`near_faces`] excludes faces that points do not lie on.
-//! [`convex`] tests shapes by eight rays.
+//! [`convex`] tests shapes by eight rays, and [`few`] worlds of a few such shapes.
 //! [`lanes`] holds the equations for eight lanes, [`pow`] their powers, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
 mod convex;
+pub(crate) mod few;
 mod index;
 pub(crate) mod instances;
 pub(crate) mod kept;

@@ -15,6 +15,7 @@ use crate::{
             Shape,
             around::Around,
             axis::Axis,
+            contact::REACH,
             instances::Instances,
             mesh::{Mesh, box_around},
             plane::Planar,
@@ -25,7 +26,7 @@ use crate::{
 };
 
 /// A length whose square may be 0 in f64.
-const TINY: f64 = 1e-150;
+pub(super) const TINY: f64 = 1e-150;
 
 /// The kernel that finds the points that may lie on a face of a shape, lane i as bit i.
 pub(crate) struct NearFaces<'a> {
@@ -93,6 +94,16 @@ impl Kernel for NearFaces<'_> {
             _ => all,
         }
     }
+}
+
+/// Returns how far from a ball points may be that lie on it, given the reach for other shapes. Its equation may be
+/// wrong by the squared distance of the origin, times 4ε (see [`Sphere`](crate::tracer::shape::sphere::Sphere)); a
+/// height by that divided by the radius.
+#[inline(always)]
+pub(super) fn slack_of_ball(reach: f64, center: DVec3, radius: f64) -> f64 {
+    let size = center.abs().max_element() + radius;
+    let away = reach / REACH + size;
+    reach + WRONG * size + 12.0 * f64::EPSILON * (away * away) / radius
 }
 
 /// The largest number of copies that are tested, for points nearby.
@@ -293,7 +304,13 @@ impl<S: Simd> Near<S> {
     /// Returns the points beside a surface, given their heights above it and how large its numbers are.
     #[inline(always)]
     fn beside(&self, face: u64, height: S::F64, size: f64) -> Beside {
-        let slack = self.simd.splat(self.reach + WRONG * size);
+        self.beside_within(face, height, self.reach + WRONG * size)
+    }
+
+    /// The same for heights that may be wrong by this.
+    #[inline(always)]
+    fn beside_within(&self, face: u64, height: S::F64, slack: f64) -> Beside {
+        let slack = self.simd.splat(slack);
         // NaN excludes nothing.
         let (inside, outside) = (height.lt(-slack).bits(), slack.lt(height).bits());
         Beside {
@@ -307,7 +324,7 @@ impl<S: Simd> Near<S> {
     fn ball(&self, face: u64, center: DVec3, radius: f64) -> Beside {
         let q = sub(self.at, splat3(self.simd, center));
         let height = dot(q, q).sqrt() - self.simd.splat(radius);
-        self.beside(face, height, center.abs().max_element() + radius)
+        self.beside_within(face, height, slack_of_ball(self.reach, center, radius))
     }
 
     #[inline(always)]

@@ -5,10 +5,12 @@ use std::sync::{Arc, OnceLock};
 use crate::{
     accel::{
         bvh::{Hierarchy, build::Builder},
+        few::Few,
         kept::{WorldOfFrame, built},
         runs::geometries,
     },
     integrator::direct::Queries,
+    simd::isa::Isa,
     tracer::{
         contact::{Contact, Departure},
         material::lobes::LightOfMaterials,
@@ -131,6 +133,14 @@ impl Queries for Accelerated<'_> {
 
     fn brightest(&self) -> f64 {
         self.brightest
+    }
+
+    fn few(&self) -> Option<Few<'_>> {
+        Few::new(self.world.0.geometries(), self.builder.isa)
+    }
+
+    fn isa(&self) -> Isa {
+        self.builder.isa
     }
 
     fn prepare(&self) {

@@ -10,6 +10,7 @@ use std::{cell::OnceCell, f64::consts::PI, ops::Add, sync::Arc};
 use glam::DVec3;
 
 use crate::{
+    accel::few::Few,
     film::parts::LightParts,
     integrator::{
         Integrate,
@@ -17,12 +18,13 @@ use crate::{
         queue::{Lanes, Queue, Seen},
         surface::{AtGlass, Onward, Path, Shadow, Surface},
     },
+    simd::isa::Isa,
     tracer::{
         color::Color,
         contact::{Contact, Crossed, Departure, Interface},
         light::{Arriving, Light, ShadowRay},
         material::{
-            bsdf::Bsdf,
+            bsdf::{Bsdf, LobeColors},
             glass::Glass,
             lobes::{Highlight, Lobes},
         },
@@ -70,6 +72,16 @@ pub(crate) trait Queries {
 
     /// Returns [`World::brightest`].
     fn brightest(&self) -> f64;
+
+    /// Returns the geometries if they are few, so that eight rays are best tested with all of them.
+    fn few(&self) -> Option<Few<'_>> {
+        None
+    }
+
+    /// Returns the instructions to use.
+    fn isa(&self) -> Isa {
+        Isa::best()
+    }
 
     /// Prepares for many questions.
     fn prepare(&self) {}
@@ -401,7 +413,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     /// sharp one, with all of the light that arrives around its direction.
     fn layered(&self, surface: &Surface, lobes: &Lobes, onward: &mut Vec<Onward>) -> Radiance {
         let frame = LocalFrame::new(surface.n);
-        let bsdf = Bsdf::new(lobes, frame.inward(surface.v));
+        let bsdf = Bsdf::new(lobes, &LobeColors::new(lobes), frame.inward(surface.v));
         let mut sum = Radiance::BLACK;
         for (number, light) in self.lighting.lights.iter().enumerate() {
             let Some((radiance, l)) = self.arriving(surface, number, light) else {

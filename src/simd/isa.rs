@@ -60,6 +60,27 @@ impl Isa {
         }
     }
 
+    /// Returns true if eight numbers have instructions of their own.
+    pub(crate) fn has_vectors(self) -> bool {
+        self.0 != Known::Scalar
+    }
+
+    /// Runs a kernel with these instructions, if they are for eight numbers: others are not worth their place in the
+    /// program.
+    #[inline]
+    pub(crate) fn run_with_vectors<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+        match self.0 {
+            Known::Scalar => {
+                let _ = kernel;
+                None
+            }
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx2(found) => Some(found.run(kernel)),
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx512(found) => Some(found.run(kernel)),
+        }
+    }
+
     /// Runs a kernel with these instructions.
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {

@@ -61,9 +61,9 @@ pub(crate) struct Departure {
     own: FaceId,
     /// All of the faces, if there are more.
     contact: Option<Arc<Contact>>,
-    /// The arriving ray and its `t`, as long as it is not known whether there are more.
-    arrival: Cell<Option<(Ray, f64)>>,
-    /// The ray begins just before or just after its origin on a line along this direction.
+    /// The origin of the arriving ray and its `t`, as long as it is not known whether there are more.
+    arrival: Cell<Option<(DVec3, f64)>>,
+    /// The direction of the arriving ray: this one begins just before or just after its origin on that line.
     along: DVec3,
     side: Side,
 }
@@ -456,7 +456,7 @@ impl Departure {
     /// The same where a ray has arrived at `t`, as long as it is not known what other faces are there.
     pub(crate) fn unknown(own: FaceId, ray: &Ray, t: f64) -> Self {
         Self {
-            arrival: Cell::new(Some((*ray, t))),
+            arrival: Cell::new(Some((ray.origin(), t))),
             ..Self::at_hit(own, None, ray.direction())
         }
     }
@@ -478,7 +478,8 @@ impl Departure {
     /// The ray that arrived and its hit, as long as it is not known whether there are more faces.
     pub(crate) fn arrival(&self) -> Option<(Ray, (usize, Crossing))> {
         let FaceId { geometry, face } = self.own;
-        let (ray, t) = self.arrival.get()?;
+        let (origin, t) = self.arrival.get()?;
+        let ray = Ray::new(origin, self.along);
         Some((ray, (geometry, Crossing { t, face })))
     }
 

@@ -8,7 +8,7 @@ use glam::DVec3;
 pub(crate) type UnitPair = [f64; 2];
 
 /// Coefficients of x³, x⁵, … x¹⁵ of the sine.
-const SINE: [f64; 7] = [
+pub(crate) const SINE: [f64; 7] = [
     -1.0 / 6.0,
     1.0 / 120.0,
     -1.0 / 5_040.0,
@@ -18,7 +18,7 @@ const SINE: [f64; 7] = [
     -1.0 / 1_307_674_368_000.0,
 ];
 /// Coefficients of x², x⁴, … x¹⁶ of the cosine.
-const COSINE: [f64; 8] = [
+pub(crate) const COSINE: [f64; 8] = [
     -1.0 / 2.0,
     1.0 / 24.0,
     -1.0 / 720.0,
@@ -84,6 +84,11 @@ impl LocalFrame {
             y: DVec3::new(b, sign + n.y * n.y * a, -n.y),
             z: n,
         }
+    }
+
+    /// The three vectors.
+    pub(crate) const fn axes(&self) -> [&DVec3; 3] {
+        [&self.x, &self.y, &self.z]
     }
 
     /// Returns a vector of the frame in world space.

@@ -108,6 +108,62 @@ impl<S: Simd> Sheared<S> {
     }
 }
 
+/// Rays as the test of triangles needs them, each with axes of its own.
+#[derive(Clone, Copy)]
+pub(in crate::accel) struct ShearedApart<S: Simd> {
+    /// The lanes in which the axis along is x, and y.
+    is_x: S::Mask,
+    is_y: S::Mask,
+    /// Those of rays that go back along it.
+    is_back: S::Mask,
+    origin: [S::F64; 3],
+    shear: [S::F64; 3],
+}
+
+impl<S: Simd> ShearedApart<S> {
+    /// Prepares eight rays.
+    #[inline(always)]
+    pub(in crate::accel) fn new(simd: S, [origin, d]: [[S::F64; 3]; 2]) -> Self {
+        let [x, y, z] = [abs(d[0]), abs(d[1]), abs(d[2])];
+        let is_x = y.le(x) & z.le(x);
+        let is_y = !is_x & z.le(y);
+        let along = S::F64::select(is_x, d[0], S::F64::select(is_y, d[1], d[2]));
+        let mut sheared = Self {
+            is_x,
+            is_y,
+            is_back: along.lt(simd.splat(0.0)),
+            origin,
+            shear: d,
+        };
+        sheared.origin = sheared.in_order(origin);
+        let [x, y, z] = sheared.in_order(d);
+        sheared.shear = [x / z, y / z, simd.splat(1.0) / z];
+        sheared
+    }
+
+    /// Returns the numbers of vectors in the order of the axes: across, then along.
+    #[inline(always)]
+    fn in_order(&self, [x, y, z]: [S::F64; 3]) -> [S::F64; 3] {
+        let of = |at_x, at_y, at_z| {
+            S::F64::select(self.is_x, at_x, S::F64::select(self.is_y, at_y, at_z))
+        };
+        let (next, last) = (of(y, z, x), of(z, x, y));
+        [
+            S::F64::select(self.is_back, last, next),
+            S::F64::select(self.is_back, next, last),
+            of(x, y, z),
+        ]
+    }
+
+    /// Returns a corner of a triangle as the rays see it.
+    #[inline(always)]
+    pub(in crate::accel) fn point(&self, simd: S, corner: &DVec3) -> [S::F64; 3] {
+        let [sx, sy, sz] = self.shear;
+        let [x, y, z] = sub(self.in_order(splat3(simd, *corner)), self.origin);
+        [x - sx * z, y - sy * z, sz * z]
+    }
+}
+
 /// Returns the `t` at which rays cross triangles, whose corners they see there, and the lanes in which
 /// `0 < t < ∞`; `None` if no ray's line meets its triangle.
 #[inline(always)]

@@ -64,7 +64,7 @@ pub(crate) struct Points<'a, S: Simd> {
 const BESIDE: f64 = 1.0 / (1 << 28) as f64;
 
 /// The part of the numbers of an equation by which it may be wrong at a point on the face, or more.
-pub(super) const WRONG: f64 = 1.0 / (1_u64 << 44) as f64;
+pub(in crate::accel) const WRONG: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl<'a, S: Simd> Points<'a, S> {
     /// Returns the largest coordinate of vectors in the lanes that are asked for.

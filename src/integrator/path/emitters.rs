@@ -6,7 +6,9 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::{
+    accel::lanes::{dot, splat3, sub},
     integrator::path::emitter_tree::{EmitterTree, PlacedEmitter},
+    simd::{F64x8, Mask, Simd},
     tracer::{
         contact::Departure,
         geometry::Geometry,
@@ -61,7 +63,7 @@ pub(super) struct EmitterWeights<'a> {
 
 /// Something that paths aim at.
 #[derive(Clone, Debug)]
-enum Emitter {
+pub(super) enum Emitter {
     /// A light, which may have a size.
     Light(Light),
     /// The surroundings, and the mean of the largest channel of their light.
@@ -73,6 +75,8 @@ enum Emitter {
         count: u64,
         /// The largest channel of their light.
         brightest: f64,
+        /// Their light, if it is the same everywhere.
+        light: Option<Radiance>,
     },
 }
 
@@ -173,8 +177,21 @@ impl Emitters {
                 first,
                 count,
                 brightest,
+                light: of
+                    .only_material()
+                    .and_then(|material| Some(material.lamp()?.radiance())),
             });
         });
+    }
+
+    /// All, in the order of their numbers.
+    pub(super) fn all(&self) -> &[Emitter] {
+        &self.all
+    }
+
+    /// The tree of most of them, if they are many.
+    pub(super) fn tree(&self) -> Option<&EmitterTree> {
+        self.tree.as_deref()
     }
 
     /// Returns the weights of all emitters at a point.
@@ -215,7 +232,15 @@ impl Emitters {
         }
     }
 
-    /// Returns a direction from a surface to an emitter.
+    /// Returns true if an emitter is a face that is not flat.
+    pub(super) fn is_curved(&self, number: usize) -> bool {
+        match &self.all[number] {
+            Emitter::Faces { target, .. } => target.normal().is_none(),
+            Emitter::Light(_) | Emitter::Environment(..) => false,
+        }
+    }
+
+    /// Returns a direction from a surface to an emitter, given all faces that rays leave there if it is curved.
     pub(super) fn aim(
         &self,
         world: &World,
@@ -239,6 +264,7 @@ impl Emitters {
                 target,
                 first,
                 count,
+                light,
                 ..
             } => {
                 let AimedAt {
@@ -262,10 +288,13 @@ impl Emitters {
                         met.t
                     }
                 };
-                let material = world.hit_on(&ray, distance, id).material();
+                let light = light.or_else(|| {
+                    let material = world.hit_on(&ray, distance, id).material();
+                    Some(material.lamp()?.radiance())
+                })?;
                 Some(Aimed {
                     l,
-                    light: material.lamp()?.radiance(),
+                    light,
                     shadow: Some((l, t_max)),
                     density: Some(density),
                     is_found: true,
@@ -332,6 +361,46 @@ impl Emitters {
             Emitter::Environment(environment, _) => Some((environment, number)),
             Emitter::Light(_) | Emitter::Faces { .. } => None,
         }
+    }
+
+    /// Returns the lanes of rays that pass a light before a distance, given their origins and unit vectors along them:
+    /// those for which [`Emitters::each_passed`] finds one, and maybe others.
+    #[inline(always)]
+    pub(super) fn passed_by<S: Simd>(
+        &self,
+        simd: S,
+        [origin, l]: [[S::F64; 3]; 2],
+        distance: S::F64,
+    ) -> u8 {
+        let (zero, mut passed) = (simd.splat(0.0), 0);
+        for number in &self.passed {
+            let Emitter::Light(light) = &self.all[*number] else {
+                continue;
+            };
+            match (light.size(), light.source()) {
+                (LightSize::Ball(radius), Source::Point { position, .. }) => {
+                    let to = sub(splat3(simd, position), origin);
+                    let along = dot(to, l);
+                    let across = [
+                        to[0] - along * l[0],
+                        to[1] - along * l[1],
+                        to[2] - along * l[2],
+                    ];
+                    let half = simd.splat(radius * radius) - dot(across, across);
+                    let is_near = zero.le(half) & (along - half.sqrt()).lt(distance);
+                    passed |= (is_near & zero.lt(along)).bits();
+                }
+                (LightSize::Disc(sin_squared), Source::Direction(to_light)) => {
+                    let cosine = dot(splat3(simd, unit(to_light)), l);
+                    // At the edge, rounding errors decide.
+                    let least = (1.0 - sin_squared).sqrt() - NEAR;
+                    let is_inside = simd.splat(least).le(cosine);
+                    passed |= (is_inside & !distance.lt(simd.splat(f64::INFINITY))).bits();
+                }
+                _ => passed = u8::MAX,
+            }
+        }
+        passed
     }
 
     /// Calls `see` with each light of a size that a ray passes before a distance; paths aim at it from a
@@ -412,7 +481,7 @@ fn aimed_at(world: &World) -> impl Iterator<Item = (usize, &Light)> {
 
 /// The extent of a light of a size.
 #[derive(Clone, Copy, Debug)]
-enum LightExtent {
+pub(super) enum LightExtent {
     Ball(DVec3, f64),
     Cone(ConeOfDirections),
 }
@@ -428,7 +497,7 @@ impl LightExtent {
 }
 
 /// Returns the extent of a light and its radiance for a point; `None` without a size, and inside of it.
-fn light_of_size(light: &Light, point: DVec3) -> Option<(LightExtent, Radiance)> {
+pub(super) fn light_of_size(light: &Light, point: DVec3) -> Option<(LightExtent, Radiance)> {
     let arriving = light.arriving(point, DVec3::Z)?.radiance;
     match (light.size(), light.source()) {
         (LightSize::Ball(radius), Source::Point { position, .. }) => {
@@ -509,7 +578,7 @@ impl Emitter {
 
     /// Returns an estimate of the irradiance that it brings to a point, without shadows: its largest
     /// channel.
-    fn weight(&self, point: DVec3) -> f64 {
+    pub(super) fn weight(&self, point: DVec3) -> f64 {
         let weight = match self {
             Self::Light(light) => {
                 let is_inside = match (light.size(), light.source()) {

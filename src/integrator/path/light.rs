@@ -1,20 +1,20 @@
 //! The light of a path: what its rays find by chance, and what its surfaces aim at.
 
-use std::f64::consts::PI;
+use std::{borrow::Cow, f64::consts::PI};
 
 use glam::DVec3;
 
 use super::{
-    PathState, PathTracer, PathVertex,
+    AimedWeight, BeforeShadow, PathState, PathTracer, PathVertex,
     sampler::{Purpose, Sampler},
 };
 use crate::{
     film::parts::LightParts,
     integrator::{
         direct::{Queries, Step},
-        surface::{Path, Surface},
+        surface::Path,
     },
-    tracer::{contact::Departure, radiance::Radiance, ray::Ray, vector::unit},
+    tracer::{material::bsdf::Scattering, radiance::Radiance, ray::Ray, vector::unit},
 };
 
 impl<Q: Queries> PathTracer<'_, Q> {
@@ -47,10 +47,27 @@ impl<Q: Queries> PathTracer<'_, Q> {
 
     /// Adds light of a path.
     pub(super) fn add(&self, state: &mut PathState, path: &Path, light: Radiance) {
-        let limited = usize::from(self.options.clamp.is_some() && path.depth > 0);
+        self.add_to(state, (self.is_limited(path), state.direct), light);
+    }
+
+    /// Returns the part that counts as direct of light that is scattered at the end of a path.
+    fn direct_share(&self, path: &Path, state: &PathState, scattering: &Scattering) -> Radiance {
+        match path.depth {
+            0 => scattering.diffuse_share(),
+            _ => state.direct,
+        }
+    }
+
+    /// Returns the number of the sum that the light of a path is added to.
+    fn is_limited(&self, path: &Path) -> usize {
+        usize::from(self.options.clamp.is_some() && path.depth > 0)
+    }
+
+    /// Adds light to the sum of a number, a part of it as direct light.
+    fn add_to(&self, state: &mut PathState, (limited, share): (usize, Radiance), light: Radiance) {
         let sum = &mut state.light[limited];
-        let direct = light * state.direct;
-        let specular = light * (Radiance::WHITE - state.direct);
+        let direct = light * share;
+        let specular = light * (Radiance::WHITE - share);
         self.queries.tell(Step::Adds(light));
         sum.parts = sum.parts + LightParts { direct, specular };
     }
@@ -112,7 +129,8 @@ impl<Q: Queries> PathTracer<'_, Q> {
         if !state.has_scattered && self.headlight != Radiance::BLACK {
             let scattering = vertex.from(surface.v);
             let light = path.factor * scattering.all * PI * self.headlight;
-            self.add_scattered(state, path, scattering.diffuse_share(), light);
+            let direct = self.direct_share(path, state, &scattering);
+            self.add_to(state, (self.is_limited(path), direct), light);
         }
         let point = surface.hit.point;
         self.number("choice", "u of the emitter", u);
@@ -132,7 +150,13 @@ impl<Q: Queries> PathTracer<'_, Q> {
             }
         }
         let pair = sampler.at(path.depth, Purpose::Emitter);
-        let from = (point, self.start(surface));
+        let start = self.start(surface);
+        let start = match self.emitters.is_curved(number) {
+            // All of its faces that the point lies on are left.
+            true => Cow::Owned(self.queries.known(start)),
+            false => Cow::Borrowed(start),
+        };
+        let from = (point, &*start);
         let Some(aim) = self.emitters.aim(self.world, number, from, pair) else {
             return;
         };
@@ -143,69 +167,78 @@ impl<Q: Queries> PathTracer<'_, Q> {
         if scattering.all == Radiance::BLACK {
             return;
         }
-        let transmission = match aim.shadow {
-            Some(shadow) => {
-                let start = self.start_toward(vertex, aim.l);
-                self.transmission(surface, &start, shadow)
-            }
-            None => Radiance::WHITE,
-        };
-        if transmission == Radiance::BLACK {
-            return;
-        }
-        self.radiance(
-            "transmission",
-            "T, the part that comes through",
-            transmission,
-        );
         let scattered = path.factor * scattering.all;
-        let light = match aim.density {
-            None => scattered * PI * aim.light * transmission / probability,
+        let (light, weight) = match aim.density {
+            None => (scattered * PI * aim.light, AimedWeight::Chosen(probability)),
             Some(density) => {
-                let p = probability * density;
                 let q = match aim.is_found {
                     true => scattering.density,
                     false => 0.0,
                 };
+                (
+                    scattered * aim.light,
+                    AimedWeight::Shared(probability * density, q),
+                )
+            }
+        };
+        let (direction, t_max) = aim.shadow.unwrap_or((aim.l, 0.0));
+        let aimed = BeforeShadow {
+            ray: Ray::new(point, direction),
+            t_max,
+            start: self.start_toward(vertex, aim.l),
+            light,
+            weight,
+            limited: self.is_limited(path),
+            direct: self.direct_share(path, state, &scattering),
+        };
+        let part = match aim.shadow {
+            None => Radiance::WHITE,
+            Some(_) if state.waits => {
+                state.aimed = Some(aimed);
+                return;
+            }
+            Some(_) => self.lit(&aimed),
+        };
+        self.add_aimed(state, &aimed, part);
+    }
+
+    /// Adds the light of an emitter that a surface aimed at, given the part of it that comes through.
+    pub(super) fn add_aimed(&self, state: &mut PathState, aimed: &BeforeShadow, part: Radiance) {
+        if part == Radiance::BLACK {
+            return;
+        }
+        self.radiance("transmission", "T, the part that comes through", part);
+        let light = aimed.light * part;
+        let light = match aimed.weight {
+            AimedWeight::Chosen(probability) => light / probability,
+            AimedWeight::Shared(p, q) => {
                 self.number("light_density", "p = P · density", p);
                 self.number("light_lobes", "q, the density of l by all lobes", q);
                 self.number("light_weight", "w = p²/(p² + q²)", p * p / (p * p + q * q));
-                scattered * aim.light * transmission * p / (p * p + q * q)
+                light * p / (p * p + q * q)
             }
         };
-        self.add_scattered(state, path, scattering.diffuse_share(), light);
-    }
-
-    /// Adds light that a surface scatters, of which its diffuse lobe scatters a part.
-    fn add_scattered(
-        &self,
-        state: &mut PathState,
-        path: &Path,
-        diffuse: Radiance,
-        light: Radiance,
-    ) {
-        let direct = state.direct;
-        if path.depth == 0 {
-            state.direct = diffuse;
-        }
-        self.add(state, path, light);
-        state.direct = direct;
+        self.add_to(state, (aimed.limited, aimed.direct), light);
     }
 
     /// Returns the part of the light that comes through on a shadow ray.
-    fn transmission(
-        &self,
-        surface: &Surface,
-        start: &Departure,
-        (direction, t_max): (DVec3, f64),
-    ) -> Radiance {
-        let ray = Ray::new(surface.hit.point, direction);
-        let light = self.queries.transmission(&ray, t_max, start);
+    pub(super) fn lit(&self, aimed: &BeforeShadow) -> Radiance {
+        let BeforeShadow {
+            ray, t_max, start, ..
+        } = aimed;
+        self.past_glass(aimed, self.queries.transmission(ray, *t_max, start))
+    }
+
+    /// The same, given that part if all glass lets light through.
+    pub(super) fn past_glass(&self, aimed: &BeforeShadow, light: Radiance) -> Radiance {
+        let BeforeShadow {
+            ray, t_max, start, ..
+        } = aimed;
         let goes_through =
             light != Radiance::BLACK && (self.has_clear_glass || light != Radiance::WHITE);
         if goes_through && self.stops_at_glass {
             let (start, mut is_stopped) = (self.queries.known(start), false);
-            self.world.each_in_the_way(&ray, t_max, &start, |passed| {
+            self.world.each_in_the_way(ray, *t_max, &start, |passed| {
                 is_stopped |= passed.glass.is_some_and(|glass| {
                     self.options.caustics && !glass.is_pane || glass.facets().is_some()
                 });

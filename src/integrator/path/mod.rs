@@ -7,6 +7,7 @@
 //! This file is the definition, sample by sample. It asks the questions of
 //! [`direct`](crate::integrator::direct), and meets glass and contact as that does.
 
+mod eight;
 mod emitter_tree;
 pub(crate) mod emitters;
 pub(crate) mod explain;
@@ -36,15 +37,19 @@ use crate::{
         camera::Camera,
         color::Color,
         contact::{Crossed, Departure, Interface},
+        geometry::Geometry,
         light::{source::Source, transport::PathOptions},
         material::{
-            bsdf::{Bsdf, Onto, Scattering},
+            bsdf::{Bsdf, LobeColors, Onto, Scattering},
             rough_glass::RoughGlass,
         },
         radiance::Radiance,
         ray::Ray,
         sampling::LocalFrame,
-        shape::face::{Crossing, FaceId},
+        shape::{
+            face::{Crossing, FaceId},
+            mesh::Mesh,
+        },
         world::{Lighting, World},
     },
 };
@@ -53,6 +58,9 @@ use crate::{
 const ROULETTE: u32 = 3;
 /// The largest probability of a path to go on there.
 const MOST_LIKELY: f64 = 0.95;
+
+/// The largest number of geometries whose colors are kept in linear light.
+const MOST_COLORS: usize = 1 << 12;
 
 /// The number of panes that a path goes straight through beyond its depth, so that it ends.
 const MOST_PANES: u32 = 1024;
@@ -69,6 +77,10 @@ pub(crate) struct PathTracer<'a, Q> {
     ambient: Radiance,
     /// The light of all headlights.
     headlight: Radiance,
+    /// The colors of each geometry in linear light, if it has one material and there are not too many.
+    colors: Arc<[Option<LobeColors>]>,
+    /// The factor of the cosine in what these scatter, if they do so evenly to all sides and in no other way.
+    matte: Arc<[Option<Radiance>]>,
     /// True if some glass stops shadow rays: solid glass unless these go through it, and rough glass.
     stops_at_glass: bool,
     /// True if all light may get through some glass.
@@ -76,8 +88,33 @@ pub(crate) struct PathTracer<'a, Q> {
     is_transparent: bool,
 }
 
+/// Returns the colors of each geometry of one material; none if there are too many.
+fn colors_of(world: &World) -> Vec<Option<LobeColors>> {
+    let geometries = world.geometries();
+    let colors = |geometry: &Geometry| {
+        let material = geometry.only_material()?;
+        Some(LobeColors::new(&world.lobes(material)))
+    };
+    let few = Some(geometries).filter(|all| all.len() <= MOST_COLORS);
+    few.into_iter().flatten().map(colors).collect()
+}
+
+/// Returns what geometries of these colors scatter, if they are matte and reflect any light.
+fn matte_of(world: &World, colors: &[Option<LobeColors>]) -> Vec<Option<Radiance>> {
+    let matte = |(geometry, colors): (&Geometry, &Option<LobeColors>)| {
+        if geometry.shape().mesh().is_some_and(Mesh::is_smooth) {
+            return None;
+        }
+        let lobes = world.lobes(geometry.only_material()?);
+        Bsdf::evenly(&lobes, colors.as_ref()?)
+    };
+    std::iter::zip(world.geometries(), colors)
+        .map(matte)
+        .collect()
+}
+
 /// A path as far as it is known.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct PathState {
     /// The part of its light by what the first surface does: that which its diffuse lobe scatters.
     direct: Radiance,
@@ -95,9 +132,37 @@ struct PathState {
     diffuse_depth: u32,
     /// The light at its first vertex, and that at all others, if this is limited.
     light: [Shaded; 2],
+    /// True if the light of emitters that are aimed at waits for its shadow to be known.
+    waits: bool,
+    /// That of the last surface, if it waits.
+    aimed: Option<BeforeShadow>,
     /// The first face, and the first color of the first surface other than a mirror or smooth glass.
     first: Option<FaceId>,
     color: Option<Color>,
+}
+
+/// Light that a surface scatters if nothing is in its way.
+#[derive(Clone, Debug)]
+struct BeforeShadow {
+    /// The ray to the emitter, and the `t` before which it ends.
+    ray: Ray,
+    t_max: f64,
+    start: Departure,
+    /// What arrives at the camera of the light: β · f · L.
+    light: Radiance,
+    weight: AimedWeight,
+    /// The number of its sum, and the part of it that counts as direct there.
+    limited: usize,
+    direct: Radiance,
+}
+
+/// The weight of light that a surface aimed at.
+#[derive(Clone, Copy, Debug)]
+enum AimedWeight {
+    /// No ray finds the emitter by chance: it was chosen with this probability.
+    Chosen(f64),
+    /// The density of the direction as it was aimed at, and as the lobes choose it.
+    Shared(f64, f64),
 }
 
 /// Where a ray was scattered.
@@ -127,7 +192,17 @@ struct FirstFace {
     /// Where rays begin that it sends back, if the path itself begins there.
     start: Option<Departure>,
     /// The glass there, if the path begins at it.
-    interface: Option<Interface>,
+    interface: Option<Box<Interface>>,
+}
+
+impl PathState {
+    /// Creates the state of a camera's ray.
+    fn new() -> Self {
+        Self {
+            direct: Radiance::WHITE,
+            ..Self::default()
+        }
+    }
 }
 
 impl FirstFace {
@@ -208,12 +283,15 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             let light = lights.map(|light| light.glow().radiance());
             light.fold(Radiance::BLACK, |sum, light| sum + light)
         };
+        let colors = colors_of(world);
         Self {
             world,
             queries,
             max_depth: lighting.max_depth,
             options,
             emitters: Emitters::new(world).into(),
+            matte: matte_of(world, &colors).into(),
+            colors: colors.into(),
             ambient: sum(|source| matches!(source, Source::Everywhere)),
             headlight: sum(|source| matches!(source, Source::Viewer)),
             has_clear_glass: world.has_clear_glass(),
@@ -263,13 +341,15 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     /// Returns a sample along a camera's ray.
     pub(crate) fn sample(&self, ray: Ray, sampler: &Sampler) -> PathSample {
         let mut path = Path::new(ray);
-        let mut state = PathState {
-            direct: Radiance::WHITE,
-            ..PathState::default()
-        };
-        while let Some(next) = self.step(path, &mut state, sampler) {
+        let mut state = PathState::new();
+        while let Some(next) = self.step(&mut path, &mut state, sampler) {
             path = next;
         }
+        self.sample_at_end(&state)
+    }
+
+    /// Returns the sample of a path that has ended.
+    fn sample_at_end(&self, state: &PathState) -> PathSample {
         let [first, mut later] = state.light;
         if let Some(clamp) = self.options.clamp {
             let most = later.parts.sum().max_channel();
@@ -285,18 +365,30 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
     }
 
     /// Adds the light at the end of a ray, and returns how the path goes on.
-    fn step(&self, mut path: Path, state: &mut PathState, sampler: &Sampler) -> Option<Path> {
+    fn step(&self, path: &mut Path, state: &mut PathState, sampler: &Sampler) -> Option<Path> {
         if path.depth > self.max_depth + MOST_PANES {
             return None;
         }
-        self.queries.tell(Step::Ray(&path));
-        let Some(met) = self.meet(&mut path) else {
-            self.pass(&path, f64::INFINITY, state);
-            self.escape(&path, state);
+        self.queries.tell(Step::Ray(path));
+        let met = self.meet(path);
+        self.arrive(path, met, state, sampler)
+    }
+
+    /// Adds the light at the end of a ray, and returns how the path goes on.
+    fn arrive(
+        &self,
+        path: &Path,
+        met: Option<FirstFace>,
+        state: &mut PathState,
+        sampler: &Sampler,
+    ) -> Option<Path> {
+        let Some(met) = met else {
+            self.pass(path, f64::INFINITY, state);
+            self.escape(path, state);
             return None;
         };
-        self.pass(&path, met.t * path.ray.direction().length(), state);
-        let surface = met.surface(self.world, &path);
+        self.pass(path, met.t * path.ray.direction().length(), state);
+        let surface = met.surface(self.world, path);
         self.queries.tell(Step::Surface(&surface));
         state.first.get_or_insert(met.id);
         match met.interface {
@@ -312,7 +404,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
                 let (id, interface) = match start.crossed(self.world, path.ray.direction()) {
                     Crossed::Nothing => (None, None),
                     Crossed::Opaque(id) => (Some(id), None),
-                    Crossed::Glass(interface) => (Some(interface.face), Some(interface)),
+                    Crossed::Glass(interface) => (Some(interface.face), Some(Box::new(interface))),
                 };
                 if let Some(id) = id {
                     let start = Some(start.on(id));
@@ -376,7 +468,9 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
         let path = surface.path;
         let material = surface.hit.material();
         let lobes = material.lobes();
-        if let Some(emission) = lobes.emission {
+        let known = self.colors.get(surface.index).and_then(Option::as_ref);
+        let colors = known.copied().unwrap_or_else(|| LobeColors::new(&lobes));
+        if lobes.emission.is_some() {
             state.color.get_or_insert_with(|| material.color());
             let is_lamp = material.lamp().is_some();
             if !(is_lamp && self.is_unseen(state)) {
@@ -384,7 +478,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
                     let at = (surface.hit.point, surface.n);
                     self.emitters.of_face(surface.own(), at, from)
                 });
-                self.add(state, path, path.factor * weight * emission.radiance());
+                self.add(state, path, path.factor * weight * colors.emission);
             }
             return None;
         }
@@ -392,7 +486,7 @@ impl<'a, Q: Queries> PathTracer<'a, Q> {
             return self.glass(surface, *glass, state, sampler);
         }
         let frame = LocalFrame::new(surface.n);
-        let bsdf = Bsdf::new(&lobes, frame.inward(surface.v));
+        let bsdf = Bsdf::new(&lobes, &colors, frame.inward(surface.v));
         if !bsdf.is_mirror() {
             state.color.get_or_insert_with(|| material.color());
         }

@@ -7,6 +7,7 @@
 
 use crate::{
     film::size::Size,
+    simd::{Kernel, LANES, Simd, isa::Isa},
     tracer::{camera::Camera, light::transport::PixelFilter, ray::Ray, sampling::UnitPair},
 };
 
@@ -16,6 +17,14 @@ pub(crate) struct Sampler {
     /// The hash of the pixel and the seed.
     pixel: u32,
     sample: u32,
+    /// The number of the first pair that is known, and the pairs from it on.
+    known: (u32, [UnitPair; LANES]),
+}
+
+/// The kernel that finds eight pairs of a sample, from one on.
+struct EightPairs {
+    sampler: Sampler,
+    first: u32,
 }
 
 /// A pair that a vertex of a path has for itself.
@@ -33,14 +42,35 @@ pub(super) enum Purpose {
 
 /// The pairs before those of the vertices: the place in the pixel, and that on the lens.
 const BEFORE: u32 = 2;
+/// A number beyond those of all pairs.
+const BEYOND: u32 = 1 << 31;
 /// The pairs of a vertex.
 const OF_VERTEX: u32 = 4;
 
 impl Sampler {
     /// Creates the numbers of a sample of a pixel of the whole picture, counted from the bottom left.
     pub(crate) fn new([x, y]: [u32; 2], sample: u32, seed: u32) -> Self {
-        let pixel = mix(seed.wrapping_add(mix(y.wrapping_add(mix(x)))));
-        Self { pixel, sample }
+        Self {
+            pixel: mix(seed.wrapping_add(mix(y.wrapping_add(mix(x))))),
+            sample,
+            known: (BEYOND, [[0.0; 2]; LANES]),
+        }
+    }
+
+    /// Goes on to another sample of the same pixel.
+    pub(super) fn restart(&mut self, pixel: &Self, sample: u32) {
+        self.pixel = pixel.pixel;
+        self.sample = sample;
+        self.known.0 = BEYOND;
+    }
+
+    /// Prepares the pairs of the vertex at a depth: those of two vertices at a time.
+    pub(super) fn prepare(&mut self, depth: u32, isa: Isa) {
+        let first = BEFORE + OF_VERTEX * (depth & !1);
+        if self.known.0 != first {
+            let sampler = *self;
+            self.known = (first, isa.run(EightPairs { sampler, first }));
+        }
     }
 
     /// Returns the camera's ray in a pixel counted from the bottom left: from a place on the lens, through one
@@ -57,9 +87,16 @@ impl Sampler {
 
     /// Returns a pair of the vertex at a depth.
     pub(super) fn at(&self, depth: u32, purpose: Purpose) -> UnitPair {
-        self.pair(BEFORE + OF_VERTEX * depth + purpose as u32)
+        let number = BEFORE + OF_VERTEX * depth + purpose as u32;
+        let (first, known) = &self.known;
+        let place = number.wrapping_sub(*first) as usize;
+        known
+            .get(place)
+            .copied()
+            .unwrap_or_else(|| self.pair(number))
     }
 
+    #[inline(always)]
     pub(crate) fn pair(&self, number: u32) -> UnitPair {
         let key = mix(number.wrapping_add(self.pixel));
         let index = owen(self.sample, key);
@@ -69,7 +106,22 @@ impl Sampler {
     }
 }
 
+impl Kernel for EightPairs {
+    type Output = [UnitPair; LANES];
+
+    // The compiler does the same with all numbers of a loop at once.
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Self::Output {
+        let mut pairs = [[0.0; 2]; LANES];
+        for (place, pair) in pairs.iter_mut().enumerate() {
+            *pair = self.sampler.pair(self.first.wrapping_add(place as u32));
+        }
+        pairs
+    }
+}
+
 /// Hashes an integer.
+#[inline(always)]
 const fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
@@ -79,6 +131,7 @@ const fn mix(mut x: u32) -> u32 {
 }
 
 /// Scrambles the bits of an integer: each by a hash of the seed and of all higher bits.
+#[inline(always)]
 fn owen(x: u32, seed: u32) -> u32 {
     let mut y = x.reverse_bits().wrapping_add(seed);
     for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6_u32] {
@@ -88,6 +141,7 @@ fn owen(x: u32, seed: u32) -> u32 {
 }
 
 /// Returns the second coordinate of a point of the Sobol sequence, whose first is the reversed index.
+#[inline(always)]
 const fn sobol(index: u32) -> u32 {
     let mut x = index.reverse_bits();
     x ^= (x & 0x5555_5555) << 1;
@@ -142,5 +196,24 @@ mod tests {
         let sampler = Sampler::new([1, 2], 3, 4);
         assert_eq!(sampler.at(0, Purpose::Choice), sampler.pair(2));
         assert_eq!(sampler.at(1, Purpose::Direction), sampler.pair(8));
+        for isa in Isa::all() {
+            for depth in [0, 1, 2, 7, 1023] {
+                let mut prepared = sampler;
+                prepared.prepare(depth, isa);
+                assert!(prepared.known.0 <= 2 + 4 * depth);
+                for (number, purpose) in (2 + 4 * depth..).zip([
+                    Purpose::Choice,
+                    Purpose::Emitter,
+                    Purpose::Direction,
+                    Purpose::Roulette,
+                ]) {
+                    assert_eq!(prepared.at(depth, purpose), sampler.pair(number));
+                }
+                assert_eq!(
+                    prepared.at(depth + 9, Purpose::Choice),
+                    sampler.at(depth + 9, Purpose::Choice)
+                );
+            }
+        }
     }
 }

@@ -158,14 +158,15 @@ impl<Q: Queries> PicturePaths<'_, Q> {
     fn add_pixel(&self, [column, row]: [u32; 2], sums: &mut PixelSums, to: u32) -> Option<()> {
         let pixel = [column, self.size.height() - 1 - row];
         let first = sums.count;
-        for sample in first..to {
-            if (sample - first).is_multiple_of(UNASKED) && self.cancel.is_cancelled() {
+        for first in (first..to).step_by(UNASKED as usize) {
+            if self.cancel.is_cancelled() {
                 return None;
             }
-            let traced = self
-                .paths
-                .sample_of((self.camera, self.size), pixel, sample);
-            sums.add(&traced, self.has_albedo);
+            let numbers = first..to.min(first + UNASKED);
+            let camera = (self.camera, self.size);
+            self.paths.each_sample(camera, pixel, numbers, |sample| {
+                sums.add(sample, self.has_albedo);
+            });
         }
         Some(())
     }

@@ -1,28 +1,40 @@
 //! Comparison of pictures whose light follows paths with the plain definition.
 
+use glam::DVec3;
+
 use crate::{
+    accel::few::has_test,
     film::{crop::Crop, size::Size},
     integrator::{
         direct::Shaded,
         path::{PathSample, PathTracer, sampler::Sampler},
     },
     parallel::Pool,
-    render::tests::{Case, LitPixel, same},
+    render::tests::{
+        Case, LitPixel, same,
+        worlds::{color, light},
+    },
     simd::isa::Isa,
     tracer::{
         camera::Camera,
         color::Color,
-        light::transport::{PathOptions, PixelFilter, Transport},
+        geometry::Geometry,
+        light::{
+            Light,
+            source::Source,
+            transport::{PathOptions, PixelFilter, Transport},
+        },
+        material::Material,
         radiance::Radiance,
         random::{Rng, cases},
-        world::Lighting,
+        world::{Lighting, World},
     },
 };
 
 /// Gives the light of a case paths.
 fn by_paths(case: &mut Case, random: &mut Rng) {
     let options = PathOptions {
-        samples: random.one(&[1, 2, 5]),
+        samples: random.one(&[1, 2, 5, 20]),
         diffuse_depth: random.one(&[None, Some(0), Some(2)]),
         caustics: random.below(2) == 0,
         clamp: random.one(&[None, Some(0.5)]),
@@ -41,6 +53,32 @@ fn by_paths(case: &mut Case, random: &mut Rng) {
     };
     case.world = case.world.clone().lit(lighting.clone());
     case.drawn = case.drawn.clone().lit(lighting);
+}
+
+/// Replaces the world of a case by one of a few geometries, most of them matte, that eight rays are tested with.
+fn with_few(case: &mut Case, random: &mut Rng) {
+    let all = case.world.geometries().iter();
+    let some = all.filter(|geometry| has_test(geometry.shape())).take(16);
+    let geometries: Vec<_> = some
+        .map(|geometry| match random.below(3) {
+            0 => geometry.clone(),
+            _ => Geometry::new(geometry.shape().clone(), Material::Matte(color(random))),
+        })
+        .collect();
+    let mut lights = case.world.lights().to_vec();
+    lights.extend((0..random.below(3)).map(|_| light(random, DVec3::ZERO, 1.0, &geometries)));
+    let has_several = |lights: &[Light]| {
+        let all = lights
+            .iter()
+            .filter(|light| light.source() == Source::Surroundings);
+        all.count() > 1
+    };
+    if has_several(&lights) {
+        lights.truncate(1);
+    }
+    let world = World::new(geometries, case.world.background()).lit(Lighting::new(lights));
+    case.drawn = world.without_indices();
+    case.world = world;
 }
 
 /// Returns the samples of a pixel by plain loops.
@@ -220,12 +258,18 @@ fn pictures_by_paths_are_those_of_plain_loops() {
     let pools = [1, 3].map(|threads| Pool::new(Some(threads)));
     let isas = Isa::all();
     let (mut lit, mut clear) = (0, 0);
-    for seed in 0..cases(600) as u64 {
+    // Some that were wrong: what was hit among several faces was not asked for others; tiny balls far away; a lamp in the
+    // place of a surface.
+    let found = [1849, 16_220, 22_364];
+    for seed in (0..cases(600) as u64).chain(found) {
         let mut random = Rng(seed.wrapping_mul(0x1234_5679) | 1);
         let mut case = match random.below(3) {
             0 => Case::touching(&mut random),
             _ => Case::new(&mut random),
         };
+        if random.below(2) == 0 {
+            with_few(&mut case, &mut random);
+        }
         by_paths(&mut case, &mut random);
         let isa = isas[random.below(isas.len())];
         let crop = Crop::new(1, 1, 3, 2).unwrap();

@@ -96,7 +96,7 @@ pub(super) fn light(random: &mut Rng, middle: DVec3, size: f64, geometries: &[Ge
         1 => Headlight::new(hue, intensity).unwrap().into(),
         2 => Directional::new(towards, hue, intensity, shadows)
             .unwrap()
-            .with_angle(random.one(&[0.0, 5.0]))
+            .with_angle(random.one(&[0.0, 5.0, 90.0]))
             .unwrap()
             .into(),
         3 => {

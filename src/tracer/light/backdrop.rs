@@ -4,7 +4,10 @@ use glam::DVec3;
 
 use crate::tracer::{
     error::GeometryError,
-    light::{environment::Sky, picture::SkyAxes},
+    light::{
+        environment::{Sky, SkyLight},
+        picture::SkyAxes,
+    },
     radiance::Radiance,
     texels::Texels,
     vector::{direction, finite, unit},
@@ -17,7 +20,7 @@ pub struct Backdrop(Scenery);
 
 #[derive(Clone, Debug, PartialEq)]
 enum Scenery {
-    Sky { sky: Sky, up: DVec3 },
+    Sky { sky: SkyLight, up: DVec3 },
     Picture { texels: Texels, axes: SkyAxes },
 }
 
@@ -29,6 +32,7 @@ impl Backdrop {
     /// Returns an error if `up` has no direction.
     pub fn of_sky(sky: Sky, up: DVec3) -> Result<Self, GeometryError> {
         let up = unit(direction(finite(up, "up")?, "up")?);
+        let sky = SkyLight::new(sky);
         Ok(Self(Scenery::Sky { sky, up }))
     }
 
@@ -73,7 +77,7 @@ impl Backdrop {
         match &self.0 {
             Scenery::Sky { sky, up } => {
                 up.to_array().into_iter().for_each(&mut see);
-                sky.channels().for_each(see);
+                sky.sky.channels().for_each(see);
             }
             Scenery::Picture { texels, axes } => {
                 axes.numbers().for_each(&mut see);

@@ -33,7 +33,7 @@ pub struct Environment {
 enum Shine {
     /// The same in all directions.
     Even,
-    Sky(Sky),
+    Sky(SkyLight),
     Picture(SkyView),
 }
 
@@ -47,6 +47,13 @@ pub struct Sky {
     pub horizon: Color,
     /// The color below.
     pub ground: Color,
+}
+
+/// A sky and the linear light of its colors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SkyLight {
+    pub(super) sky: Sky,
+    linear: [Radiance; 3],
 }
 
 /// The number of heights above the horizon, and below it, over which the light of a sky is averaged.
@@ -77,7 +84,7 @@ impl Environment {
     /// Returns an error if the intensity lies outside of 0..=1e12, or if `up` has no direction.
     pub fn of_sky(sky: Sky, up: DVec3, intensity: f64) -> Result<Self, GeometryError> {
         Ok(Self {
-            shine: Shine::Sky(sky),
+            shine: Shine::Sky(SkyLight::new(sky)),
             up: unit(direction(finite(up, "up")?, "up")?),
             ..Self::new(Color::WHITE, intensity)?
         })
@@ -116,10 +123,15 @@ impl Environment {
         self.is_visible
     }
 
+    /// True if it is a picture.
+    pub(crate) const fn is_picture(&self) -> bool {
+        matches!(self.shine, Shine::Picture(_))
+    }
+
     /// The colors, if it is a sky.
     pub const fn sky(&self) -> Option<Sky> {
         match self.shine {
-            Shine::Sky(sky) => Some(sky),
+            Shine::Sky(SkyLight { sky, .. }) => Some(sky),
             Shine::Even | Shine::Picture(_) => None,
         }
     }
@@ -206,15 +218,20 @@ impl Sky {
         let colors = [self.zenith, self.horizon, self.ground].into_iter();
         colors.flat_map(|color| [color.r(), color.g(), color.b()])
     }
+}
+
+impl SkyLight {
+    pub(super) fn new(sky: Sky) -> Self {
+        Self {
+            sky,
+            linear: [sky.zenith, sky.horizon, sky.ground].map(Color::to_linear),
+        }
+    }
 
     /// Returns the light of a direction with this cosine to the zenith.
-    pub(crate) fn light(&self, height: f64) -> Radiance {
-        let horizon = self.horizon.to_linear();
-        let end = if height > 0.0 {
-            self.zenith
-        } else {
-            self.ground
-        };
-        horizon + (end.to_linear() - horizon) * height.abs()
+    pub(super) fn light(&self, height: f64) -> Radiance {
+        let [zenith, horizon, ground] = self.linear;
+        let end = if height > 0.0 { zenith } else { ground };
+        horizon + (end - horizon) * height.abs()
     }
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     material::{
-        lobes::{Highlight, Layered, Lobes},
+        lobes::{Layered, Lobes},
         microfacet::{LEAST_COSINE, Microfacets, mirrored, schlick},
     },
     radiance::Radiance,
@@ -133,39 +133,69 @@ fn each(light: Radiance, of: impl Fn(f64) -> f64) -> Radiance {
     }
 }
 
-fn linear(color: Option<Color>) -> Radiance {
-    color.map_or(Radiance::BLACK, Color::to_linear)
+/// The colors of lobes in linear light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LobeColors {
+    /// That of light which is emitted.
+    pub(crate) emission: Radiance,
+    diffuse: Radiance,
+    mirror: Radiance,
+    /// The color of metal and of what lies below a coat, or else that of a highlight.
+    gloss: Radiance,
+}
+
+impl LobeColors {
+    pub(crate) fn new(lobes: &Lobes) -> Self {
+        let linear = |color: Option<Color>| color.map_or(Radiance::BLACK, Color::to_linear);
+        let highlight = lobes.highlight.map(|highlight| highlight.color);
+        let layered = lobes.layered.map(|layered| layered.color);
+        Self {
+            emission: lobes.emission.map_or(Radiance::BLACK, |it| it.radiance()),
+            diffuse: linear(lobes.diffuse),
+            mirror: linear(lobes.mirror),
+            gloss: linear(layered.or(highlight)),
+        }
+    }
 }
 
 impl Bsdf {
-    /// Creates the scattering of lobes to a viewer.
-    pub(crate) fn new(lobes: &Lobes, v: DVec3) -> Self {
+    /// Creates the scattering of lobes to a viewer, given their colors.
+    pub(crate) fn new(lobes: &Lobes, colors: &LobeColors, v: DVec3) -> Self {
         let v = DVec3::new(v.x, v.y, v.z.max(LEAST_COSINE));
         let plain = Self {
             v,
-            diffuse: linear(lobes.diffuse),
+            diffuse: colors.diffuse,
             coat: None,
             gloss: None,
-            mirror: linear(lobes.mirror),
+            mirror: colors.mirror,
             chances: [0.0; 2],
         };
         let bsdf = match (lobes.layered, lobes.highlight) {
-            (Some(layered), _) => plain.layered(layered),
-            (None, Some(highlight)) => plain.phong(highlight),
+            (Some(layered), _) => plain.layered(layered, colors.gloss),
+            (None, Some(highlight)) => plain.phong(highlight.exponent, colors.gloss),
             (None, None) => plain,
         };
         bsdf.with_chances()
     }
 
+    /// Returns the factor of the cosine in the light that lobes scatter, if they only do so evenly to all sides.
+    pub(crate) fn evenly(lobes: &Lobes, colors: &LobeColors) -> Option<Radiance> {
+        let diffuse = Lobes {
+            diffuse: lobes.diffuse,
+            ..Lobes::NONE
+        };
+        let is_it = *lobes == diffuse && colors.diffuse != Radiance::BLACK;
+        is_it.then(|| colors.diffuse / PI)
+    }
+
     /// Adds metal, and a coat above a diffuse surface.
-    fn layered(self, of: Layered) -> Self {
+    fn layered(self, of: Layered, color: Radiance) -> Self {
         let Layered {
             metallic,
             ior,
             facets,
             ..
         } = of;
-        let color = of.color.to_linear();
         let ratio = (ior - 1.0) / (ior + 1.0);
         let f0 = ratio * ratio;
         let cosine = self.v.z;
@@ -194,10 +224,10 @@ impl Bsdf {
 
     /// Adds a highlight as tiny mirrors: as wide as that of Phong and with its peak, as long as no light
     /// is added.
-    fn phong(self, Highlight { color, exponent }: Highlight) -> Self {
+    fn phong(self, exponent: f64, color: Radiance) -> Self {
         let squared: f64 = 2.0 / (4.0 * exponent + 2.0);
         let facets = Microfacets::of_alpha(squared.min(1.0).sqrt());
-        let f0 = each(color.to_linear(), |part| (4.0 * squared * part).min(1.0));
+        let f0 = each(color, |part| (4.0 * squared * part).min(1.0));
         let sum = (self.diffuse + f0 + self.mirror).max_channel().max(1.0);
         let fresnel = Reflectance::Constant(f0 / sum);
         Self {

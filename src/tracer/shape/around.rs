@@ -177,6 +177,12 @@ impl Around {
         (self.center, corners, self.radius)
     }
 
+    /// The largest coordinate of the box.
+    #[inline]
+    pub(crate) fn most(&self) -> f64 {
+        self.low.abs().max(self.high.abs()).max_element()
+    }
+
     pub(crate) const fn extent(&self) -> Extent<'static> {
         Extent::Ball(self.center, self.radius)
     }
@@ -219,7 +225,7 @@ impl Around {
         let from = ray.origin() - self.center;
         let point = from + t * ray.direction();
         let (low, high) = (self.low - self.center, self.high - self.center);
-        let most = self.low.abs().max(self.high.abs()).max_element();
+        let most = self.most();
         let slack = GROWTH * from.abs().max_element().max(self.radius) + ROUNDING * most;
         let radius = self.radius + slack;
         // NaN is nowhere.

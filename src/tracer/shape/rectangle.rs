@@ -89,6 +89,11 @@ impl Rectangle {
         self.corners
     }
 
+    /// The box and the ball around it.
+    pub(crate) const fn ball(&self) -> &Around {
+        &self.around
+    }
+
     /// The plane with a unit normal.
     pub(crate) const fn unit_plane(&self) -> &Plane {
         &self.unit_plane

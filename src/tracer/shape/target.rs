@@ -13,7 +13,7 @@ use crate::tracer::{
 };
 
 /// The part of the weight of a flat face that does not depend on its angle.
-const AT_ANY_ANGLE: f64 = 0.1;
+pub(crate) const AT_ANY_ANGLE: f64 = 0.1;
 /// The part by which the axes of a transform may differ from those of a rotation with one scale.
 const ROUNDING: f64 = 1e-9;
 
@@ -37,20 +37,20 @@ pub(crate) enum Target {
 /// A flat face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlatTarget {
-    form: FlatForm,
+    pub(crate) form: FlatForm,
     /// The corner or the center.
-    origin: DVec3,
+    pub(crate) origin: DVec3,
     /// The edges at the corner, or two radii.
-    edges: [DVec3; 2],
-    middle: DVec3,
+    pub(crate) edges: [DVec3; 2],
+    pub(crate) middle: DVec3,
     /// The unit normal.
-    normal: DVec3,
-    area: f64,
+    pub(crate) normal: DVec3,
+    pub(crate) area: f64,
 }
 
 /// The form of a flat face.
 #[derive(Clone, Copy, Debug)]
-enum FlatForm {
+pub(crate) enum FlatForm {
     Disc,
     Parallelogram,
     Triangle,
@@ -86,6 +86,11 @@ impl ConeOfDirections {
         let sin_squared = radius * radius / to_center.dot(to_center);
         let is_outside = is_direction(to_center) && sin_squared < 1.0;
         is_outside.then(|| Self::new(unit(to_center), sin_squared))
+    }
+
+    /// The axis.
+    pub(crate) const fn axis(&self) -> DVec3 {
+        self.axis
     }
 
     pub(crate) const fn sin_squared(&self) -> f64 {

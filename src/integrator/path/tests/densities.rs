@@ -18,7 +18,7 @@ use crate::{
         },
         material::{
             Emissive, Material, Phong, Principled,
-            bsdf::{Bsdf, Onto},
+            bsdf::{Bsdf, LobeColors, Onto},
             microfacet::Microfacets,
             rough_glass::RoughGlass,
         },
@@ -384,7 +384,8 @@ fn surfaces_scatter_by_their_densities() {
         ("phong 60", phong(60.0).into()),
     ] {
         for v in [DVec3::new(0.3, 0.1, 1.0), DVec3::new(-1.0, 0.4, 0.25)] {
-            let bsdf = Bsdf::new(&material.lobes(), unit(v));
+            let lobes = material.lobes();
+            let bsdf = Bsdf::new(&lobes, &LobeColors::new(&lobes), unit(v));
             assert_chosen(
                 name,
                 |u, pair| match bsdf.sample(u, pair) {
